@@ -7,8 +7,10 @@
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
+#include "base/status_macros.h"
 #include "client/sdk/channel_arguments.h"
 #include "client/sdk/client_call.h"
+#include "client/sdk/earlier_servers.h"
 #include "client/sdk/security.h"
 #include "program/log/request_id.h"
 
@@ -112,8 +114,11 @@ absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeReque
 absl::StatusOr<v1::RecognizeResponse> Client::Recognize(const v1::RecognizeRequest& request,
                                                         absl::Duration timeout,
                                                         const std::string& request_id) {
-  return Call(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize, request,
-              {timeout, request_id, options_.retry_frames});
+  ASSIGN_OR_RETURN(v1::RecognizeResponse response,
+                   Call(*stubs_->recognition, &v1::RecognitionService::Stub::Recognize, request,
+                        {timeout, request_id, options_.retry_frames}));
+  FillGrasps(&response);
+  return response;
 }
 
 absl::StatusOr<v1::FindLookAlikesResponse> Client::FindLookAlikes(const std::string& object) {

@@ -94,6 +94,8 @@ class Client {
   // repeat their streams.
   int busy_retries() const { return options_.retry ? options_.busy_retries : 0; }
 
+  // Each proposal has its `grasp`; it is made of the deprecated fields where the server does not
+  // send it yet.
   absl::StatusOr<v1::RecognizeResponse> Recognize(const v1::RecognizeRequest& request);
   // With its own time limit. `request_id`, of 1 to 64 letters, digits, '-', '_' and '.', is sent as
   // the call's id (metadata x-request-id); if empty, the server chooses one.

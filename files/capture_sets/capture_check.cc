@@ -60,10 +60,7 @@ absl::Status CheckGrasp(const v1::Grasp& grasp, bool is_new, const std::string& 
           field + " has a length that is negative or not finite; give metres");
     }
   }
-  const v1::Vector3& tcp = grasp.tcp_pose().position();
-  const double longest =
-      std::max({std::hypot(tcp.x(), tcp.y(), tcp.z()), grasp.approach_distance_m(),
-                grasp.gripper_opening_m(), grasp.retreat_distance_m()});
+  const double longest = LongestLengthOf(grasp);
   if (longest > kMaxGraspLengthM) {
     return absl::InvalidArgumentError(absl::StrCat(
         field, " has a length of ", longest, " m; lengths are in metres, are these millimetres?"));
@@ -157,6 +154,12 @@ absl::Status CheckCapture(const v1::Capture& capture, const std::string& field,
 }
 
 }  // namespace
+
+double LongestLengthOf(const v1::Grasp& grasp) {
+  const v1::Vector3& tcp = grasp.tcp_pose().position();
+  return std::max({std::hypot(tcp.x(), tcp.y(), tcp.z()), grasp.approach_distance_m(),
+                   grasp.gripper_opening_m(), grasp.retreat_distance_m()});
+}
 
 absl::Status CheckId(const std::string& id, const std::string& field) {
   const auto is_part = [](char c) {

@@ -28,6 +28,10 @@ absl::Status CheckDistances(const v1::CaptureSet& set);
 // `field`.
 absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::string& field);
 
+// The longest of a grasp's lengths and of its tool's distance from the object's origin, m: 20 or
+// more are millimetres.
+double LongestLengthOf(const v1::Grasp& grasp);
+
 // INVALID_ARGUMENT, with the field, for an id that the server would reject: it is as one of an
 // object. Capture sets may have others while nothing is taught with them.
 absl::Status CheckId(const std::string& id, const std::string& field);

@@ -9,7 +9,7 @@ import numpy as np
 
 from graspdb import geometry
 from graspdb.geometry import FloatArray
-from graspdb.v1 import geometry_pb2, recognition_pb2, recognition_service_pb2
+from graspdb.v1 import catalog_pb2, geometry_pb2, recognition_pb2, recognition_service_pb2
 
 
 class _Enum(enum.IntEnum):
@@ -72,8 +72,12 @@ class GraspProposal:
 
     @staticmethod
     def of(message: recognition_pb2.GraspProposal) -> "GraspProposal":
-        return GraspProposal(message.grasp_id, geometry.matrix_of_pose(message.tcp_pose), message.approach_distance_m,
-                             message.gripper_opening_m, message.retreat_distance_m, message.priority)
+        # Servers of before the field send the deprecated ones only, of the same names.
+        grasp: Union[catalog_pb2.Grasp, recognition_pb2.GraspProposal] = message
+        if message.HasField("grasp"):
+            grasp = message.grasp
+        return GraspProposal(grasp.grasp_id, geometry.matrix_of_pose(message.tcp_pose), grasp.approach_distance_m,
+                             grasp.gripper_opening_m, grasp.retreat_distance_m, grasp.priority)
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,6 +65,18 @@ v1::RejectionGate GateToProto(recognition::Gate gate) {
   return v1::REJECTION_GATE_UNSPECIFIED;
 }
 
+// For clients of before GraspProposal.grasp. Fields that Grasp got later do not belong here.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+void RepeatGrasp(const v1::Grasp& grasp, v1::GraspProposal* out) {
+  out->set_grasp_id(grasp.grasp_id());
+  out->set_approach_distance_m(grasp.approach_distance_m());
+  out->set_gripper_opening_m(grasp.gripper_opening_m());
+  out->set_priority(grasp.priority());
+  out->set_retreat_distance_m(grasp.retreat_distance_m());
+}
+#pragma GCC diagnostic pop
+
 // Left empty for an unknown object, so that the nearest view is not mistaken for a
 // result.
 void AddPoseAndGrasps(const recognition::Detection& detection,
@@ -90,12 +102,9 @@ void AddPoseAndGrasps(const recognition::Detection& detection,
   }
   for (const recognition::GraspProposal& proposal : detection.grasps) {
     v1::GraspProposal* grasp = out->add_grasps();
-    grasp->set_grasp_id(proposal.grasp.id);
     *grasp->mutable_tcp_pose() = PoseToProto(proposal.world_tcp);
-    grasp->set_approach_distance_m(proposal.grasp.approach_distance_m);
-    grasp->set_gripper_opening_m(proposal.grasp.gripper_opening_m);
-    grasp->set_priority(proposal.grasp.priority);
-    grasp->set_retreat_distance_m(proposal.grasp.retreat_distance_m);
+    *grasp->mutable_grasp() = GraspToProto(proposal.grasp);
+    RepeatGrasp(grasp->grasp(), grasp);
   }
 }
 

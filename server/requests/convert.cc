@@ -1,17 +1,20 @@
 #include "server/requests/convert.h"
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
+#include "recognition/base/units.h"
 #include "server/base/errors.h"
 #include "server/requests/request_limits.h"
 #include "storage/records/resource_name.h"
 
 namespace graspdb::server {
 namespace {
+
+using recognition::kDegreesPerRadian;
+using recognition::kRadiansPerDegree;
 
 constexpr double kMaxPosition = 1000;  // m
 constexpr double kNormTolerance = 1e-3;
@@ -61,11 +64,13 @@ absl::StatusOr<recognition::TaughtGrasp> GraspFromProto(const v1::Grasp& grasp,
                         "must have min_deg up to max_deg, both in -360 to 360 degrees");
   }
   if (grasp.has_free_turn()) {
-    constexpr double kDegree = std::numbers::pi / 180;
-    out.free_turn = {turn.min_deg() * kDegree, turn.max_deg() * kDegree};
+    out.free_turn = {turn.min_deg() * kRadiansPerDegree, turn.max_deg() * kRadiansPerDegree};
   }
   return out;
 }
+
+// To a billionth of a degree, so that 30 degrees are 30 again.
+double DegreesOf(double rad) { return std::round(rad * kDegreesPerRadian * 1e9) / 1e9; }
 
 }  // namespace
 
@@ -97,6 +102,21 @@ v1::Pose PoseToProto(const recognition::Pose& pose) {
   out.mutable_orientation()->set_y(q.y());
   out.mutable_orientation()->set_z(q.z());
   out.mutable_orientation()->set_w(q.w());
+  return out;
+}
+
+v1::Grasp GraspToProto(const recognition::TaughtGrasp& grasp) {
+  v1::Grasp out;
+  out.set_grasp_id(grasp.id);
+  *out.mutable_tcp_pose() = PoseToProto(grasp.object_tcp);
+  out.set_approach_distance_m(grasp.approach_distance_m);
+  out.set_gripper_opening_m(grasp.gripper_opening_m);
+  out.set_retreat_distance_m(grasp.retreat_distance_m);
+  out.set_priority(grasp.priority);
+  if (grasp.free_turn) {
+    out.mutable_free_turn()->set_min_deg(DegreesOf(grasp.free_turn->min_rad));
+    out.mutable_free_turn()->set_max_deg(DegreesOf(grasp.free_turn->max_rad));
+  }
   return out;
 }
 

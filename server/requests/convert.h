@@ -27,6 +27,9 @@ absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box, std
 
 v1::Vector3 VectorToProto(const Eigen::Vector3d& v);
 
+// The grasp as taught; outcomes of picks are no part of the message.
+v1::Grasp GraspToProto(const recognition::TaughtGrasp& grasp);
+
 // Replaces the fields that are set. Values out of range are errors.
 absl::Status ApplyPipeline(const v1::PipelineParameters& pipeline, std::string_view path,
                            recognition::RecognitionParameters* parameters);

@@ -27,7 +27,7 @@ JobPose PoseAt(double x) {
   pose.base_related = {pose.base_primary, client::JobPose().base_primary};
   pose.object = "objects/flange";
   pose.stable_pose = "objects/flange/stablePoses/flat";
-  pose.grasp.id = "top";
+  pose.grasp.set_grasp_id("top");
   pose.score = 0.9;
   return pose;
 }

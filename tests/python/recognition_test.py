@@ -9,7 +9,7 @@ import numpy as np
 import graspdb
 import scenes
 from graspdb import errors, geometry
-from graspdb.v1 import catalog_pb2, catalog_service_pb2, geometry_pb2
+from graspdb.v1 import catalog_pb2, catalog_service_pb2, geometry_pb2, recognition_pb2
 from server import Folder, Server
 
 matplotlib.use("Agg")
@@ -54,8 +54,20 @@ class Recognition(unittest.TestCase):
         self.assertEqual((grasp.grasp_id, grasp.approach_distance_m, grasp.retreat_distance_m), ("top", 0.1, 0.05))
         np.testing.assert_allclose(grasp.tcp_pose, detection.pose @ [[1, 0, 0, 0.02], [0, -1, 0, 0], [0, 0, -1, 0.02],
                                                                      [0, 0, 0, 1]], atol=1e-6)
+        self.assertEqual(detection.message.grasps[0].grasp.gripper_opening_m, 0.04)
         with self.assertRaises(ValueError):
             detection.pose[0, 3] = 1  # read-only
+
+    def test_reads_the_grasps_of_earlier_servers(self):
+        message = recognition_pb2.GraspProposal(grasp_id="top", approach_distance_m=0.1, gripper_opening_m=0.04, priority=2,
+                                                retreat_distance_m=0.05)
+        message.tcp_pose.orientation.w = 1
+        for has_grasp in (False, True):
+            if has_grasp:
+                message.grasp.CopyFrom(catalog_pb2.Grasp(grasp_id="side", priority=3))
+            grasp = graspdb.GraspProposal.of(message)
+            self.assertEqual((grasp.grasp_id, grasp.approach_distance_m, grasp.gripper_opening_m, grasp.priority,
+                              grasp.retreat_distance_m), ("side", 0, 0, 3, 0) if has_grasp else ("top", 0.1, 0.04, 2, 0.05))
 
     def test_finds_it_in_a_cloud_without_a_sensor_pose(self):
         cloud = scenes.points(scenes.depth(scenes.BRACKET, scenes.pose(yaw_deg=70)))

@@ -59,7 +59,7 @@ class GraspOutcomesTest : public ServerTest {
         Answer(RequestOf(Photograph("wedge", {0.02, 0.01, 15}, 1)));
     EXPECT_EQ(answer.detections_size(), 1);
     if (answer.detections().empty() || answer.detections(0).grasps().empty()) return "";
-    return answer.detections(0).grasps(0).grasp_id();
+    return answer.detections(0).grasps(0).grasp().grasp_id();
   }
 };
 

@@ -1,8 +1,11 @@
 // Recognize with a taught catalogue.
 #include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
+#include <google/protobuf/util/message_differencer.h>
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "files/messages/pose_message.h"
 #include "tests/server/server_fixture.h"
@@ -12,6 +15,15 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+
+using google::protobuf::util::MessageDifferencer;
+
+std::string Text(const google::protobuf::Message& message,
+                 const google::protobuf::FieldDescriptor* field) {
+  std::string out;
+  google::protobuf::TextFormat::PrintFieldValueToString(message, field, -1, &out);
+  return out;
+}
 
 class RecognizeTest : public ServerTest {};
 
@@ -75,14 +87,48 @@ TEST_F(RecognizeTest, GraspsAreTransformedAndSortedByPriority) {
   const v1::RecognizeResponse answer = Answer(RequestOf(frame));
   ASSERT_EQ(answer.detections_size(), 1);
   std::vector<std::string> ids;
-  for (const v1::GraspProposal& grasp : answer.detections(0).grasps()) {
-    ids.push_back(grasp.grasp_id());
+  for (const v1::GraspProposal& proposal : answer.detections(0).grasps()) {
+    ids.push_back(proposal.grasp().grasp_id());
   }
   EXPECT_THAT(ids, ElementsAre("p3", "p2", "p1"));
   const v1::Vector3& in_object = Part("handle").grasps[0].tcp_pose().position();
   recognition::Pose truth = frame.world_object;
   truth.translate(Eigen::Vector3d(in_object.x(), in_object.y(), in_object.z()));
   EXPECT_LT(ShiftBetween(truth, answer.detections(0).grasps(0).tcp_pose()), 0.006);
+}
+
+TEST_F(RecognizeTest, AProposalHasTheGraspAsTaught) {
+  Teach("handle", 6);
+  v1::UpdateStablePoseRequest update;
+  update.mutable_stable_pose()->set_name(FlatPoseOf("handle"));
+  v1::Grasp& taught = *update.mutable_stable_pose()->add_grasps();
+  taught = Part("handle").grasps[0];
+  taught.set_grasp_id("grip");
+  taught.set_approach_distance_m(0.11);
+  taught.set_gripper_opening_m(0.07);
+  taught.set_retreat_distance_m(0.13);
+  taught.set_priority(5);
+  taught.mutable_free_turn()->set_min_deg(-20);
+  taught.mutable_free_turn()->set_max_deg(29.7);
+  update.mutable_update_mask()->add_paths("grasps");
+  ASSERT_THAT(Call(&Catalog::UpdateStablePose, update), IsGrpcOk());
+  const v1::RecognizeResponse answer = Answer(RequestOf(Photograph("handle", {.x = 0.02}, 5)));
+  ASSERT_EQ(answer.detections_size(), 1);
+  ASSERT_GE(answer.detections(0).grasps_size(), 3) << "as taught, and both ends of the free turn";
+  for (const v1::GraspProposal& proposal : answer.detections(0).grasps()) {
+    v1::Grasp grasp = proposal.grasp();
+    EXPECT_LT(ShiftBetween(files::FromMessage(taught.tcp_pose()), grasp.tcp_pose()), 1e-9);
+    *grasp.mutable_tcp_pose() = taught.tcp_pose();
+    EXPECT_TRUE(MessageDifferencer::Equals(grasp, taught)) << grasp.DebugString();
+    // What earlier clients read.
+    const auto* fields = v1::GraspProposal::descriptor();
+    for (int i = 0; i < fields->field_count(); ++i) {
+      if (!fields->field(i)->options().deprecated()) continue;
+      const auto* field = v1::Grasp::descriptor()->FindFieldByName(fields->field(i)->name());
+      ASSERT_NE(field, nullptr);
+      EXPECT_EQ(Text(proposal, fields->field(i)), Text(taught, field)) << field->name();
+    }
+  }
 }
 
 TEST_F(RecognizeTest, MeshFrameIsTransformed) {

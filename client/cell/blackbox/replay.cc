@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "client/sdk/earlier_servers.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {
@@ -23,6 +24,22 @@ v1::RecognizeResponse Timeless(v1::RecognizeResponse response) {
   response.clear_catalog_revision();
   for (v1::StageReport& stage : *response.mutable_stages()) stage.clear_duration_ms();
   return response;
+}
+
+// Whether the server was one of before GraspProposal.grasp: FillGrasps leaves the tool's pose out.
+// What such an answer has of a grasp is in the deprecated fields, which are compared.
+bool LacksGrasps(const v1::RecognizeResponse& response) {
+  return std::ranges::any_of(response.detections(), [](const v1::Detection& detection) {
+    return std::ranges::any_of(detection.grasps(), [](const v1::GraspProposal& proposal) {
+      return !proposal.grasp().has_tcp_pose();
+    });
+  });
+}
+
+void ClearGrasps(v1::RecognizeResponse* response) {
+  for (v1::Detection& detection : *response->mutable_detections()) {
+    for (v1::GraspProposal& proposal : *detection.mutable_grasps()) proposal.clear_grasp();
+  }
 }
 
 std::string NameOf(const v1::Detection& detection) {
@@ -42,8 +59,8 @@ std::string PoseDifference(const v1::Pose& then, const v1::Pose& now) {
 
 std::string GraspsOf(const v1::Detection& detection) {
   std::string out;
-  for (const v1::GraspProposal& grasp : detection.grasps()) {
-    absl::StrAppend(&out, out.empty() ? "" : ", ", grasp.grasp_id());
+  for (const v1::GraspProposal& proposal : detection.grasps()) {
+    absl::StrAppend(&out, out.empty() ? "" : ", ", TaughtGraspOf(proposal).grasp_id());
   }
   return out.empty() ? "none" : out;
 }
@@ -130,8 +147,12 @@ ReplayResult CompareReplay(const v1::Bundle& bundle,
       bundle.has_response() ? bundle.response().catalog_revision() : bundle.catalog_revision();
   if (now.ok()) out.revision_now = now->catalog_revision();
   if (bundle.has_response() && now.ok()) {
-    const v1::RecognizeResponse before = Timeless(bundle.response());
-    const v1::RecognizeResponse after = Timeless(*now);
+    v1::RecognizeResponse before = Timeless(bundle.response());
+    v1::RecognizeResponse after = Timeless(*now);
+    if (LacksGrasps(before)) {
+      ClearGrasps(&before);
+      ClearGrasps(&after);
+    }
     out.is_same = AreSame(before, after);
     if (!out.is_same) CompareResponses(before, after, &out.differences);
     return out;

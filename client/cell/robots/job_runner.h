@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "graspdb/v1/catalog.pb.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::client {
@@ -26,24 +27,17 @@ struct PickReport {
   std::string request_id = {};  // a UUID
 };
 
-// How a grasp is executed.
-struct JobGrasp {
-  std::string id = {};  // empty: there is no grasp
-  double gripper_opening_m = 0;
-  double approach_distance_m = 0;
-  double retreat_distance_m = 0;
-};
-
 // One result for a robot: a grasp with its object as the related pose, or an object with its
 // grasps, depending on the job.
 struct JobPose {
   recognition::Pose base_primary = recognition::Pose::Identity();  // in the robot's base frame
   std::vector<recognition::Pose> base_related = {};
-  std::vector<JobGrasp> related_grasps = {};  // those of base_related; empty if it is the object
-  std::string object = {};                    // resource name
-  std::string stable_pose = {};               // resource name
-  // Of an object the first one, until the robot takes another of related_grasps.
-  JobGrasp grasp = {};
+  std::vector<v1::Grasp> related_grasps = {};  // those of base_related; empty if it is the object
+  std::string object = {};                     // resource name
+  std::string stable_pose = {};                // resource name
+  // Of an object the first one, until the robot takes another of related_grasps. As taught; without
+  // an id there is none.
+  v1::Grasp grasp = {};
   double score = 0;                       // confidence, 0 to 1
   double camera_s = 0;                    // part of the job's time spent waiting for the frame
   std::optional<PickReport> report = {};  // the last one, which failed

@@ -10,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/counted.h"
+#include "files/capture_sets/capture_check.h"
 
 namespace graspdb::client {
 namespace {
@@ -76,8 +77,7 @@ void CheckPlaces(const v1::Cell& cell, Findings* out) {
 }
 
 void CheckGraspSize(const v1::StablePose& pose, const v1::Grasp& grasp, Findings* out) {
-  const double longest = std::max({DistanceOf(grasp.tcp_pose()), grasp.gripper_opening_m(),
-                                   grasp.approach_distance_m(), grasp.retreat_distance_m()});
+  const double longest = files::LongestLengthOf(grasp);
   if (longest <= kDoubtfulGraspM) return;
   AddFinding(Severity::kError, pose.name(),
              absl::StrCat("its grasp ", grasp.grasp_id(), " has a length of ", longest,

@@ -1,5 +1,6 @@
 // One answer of the server to a scan.
-import { RecognitionStatus, RejectionGateSchema, type Detection, type StageReport } from "../gen/graspdb/v1/recognition_pb";
+import { RecognitionStatus, RejectionGateSchema, type Detection, type GraspProposal, type StageReport } from "../gen/graspdb/v1/recognition_pb";
+import type { Grasp } from "../gen/graspdb/v1/catalog_pb";
 import type { RecognizeResponse } from "../gen/graspdb/v1/recognition_service_pb";
 import { gates, statuses, type Advice } from "../gen/errors";
 import type { Parameters } from "./parameters";
@@ -20,6 +21,9 @@ export const gateName = (detection: Detection): string => RejectionGateSchema.va
 
 export const objectName = (detection: Detection): string =>
   detection.object === "" ? "unknown object" : lastPart(detection.object);
+
+// Servers of before the field `grasp` send the deprecated fields only, of the same names.
+export const taughtGrasp = (proposal: GraspProposal): Grasp | GraspProposal => proposal.grasp ?? proposal;
 
 // "ok", "warning" or "bad": the colour of a detection.
 export function tone(detection: Detection): string {

@@ -4,7 +4,7 @@ import { WorldFrameSource, type Detection, type StageReport } from "../gen/grasp
 import { RecognizeResponseSchema } from "../gen/graspdb/v1/recognition_service_pb";
 import type { Pose, Vector3 } from "../gen/graspdb/v1/geometry_pb";
 import type { Advice } from "../gen/errors";
-import { adviceOfGate, adviceOfStatus, gateName, isOfPoints, lostAt, objectName, statusName, tone, type Answer } from "./answer";
+import { adviceOfGate, adviceOfStatus, gateName, isOfPoints, lostAt, objectName, statusName, taughtGrasp, tone, type Answer } from "./answer";
 import { bar, facts, h, table } from "./dom";
 import { between } from "./geometry";
 import { count, lastPart, milliseconds, millimetres, score, shortName } from "./text";
@@ -53,9 +53,10 @@ function alternativeTable(detection: Detection): HTMLElement | false {
 
 function graspTable(detection: Detection): HTMLElement | false {
   return detection.grasps.length > 0 && h("div", {}, h("h3", {}, `Grasps: ${detection.grasps.length}, the best first`),
-    table(["grasp", "position (m)", "opening", "approach", "priority"], detection.grasps.map((each) => [
-      each.graspId, vector(each.tcpPose?.position), millimetres(each.gripperOpeningM), millimetres(each.approachDistanceM), each.priority,
-    ])));
+    table(["grasp", "position (m)", "opening", "approach", "priority"], detection.grasps.map((each) => {
+      const grasp = taughtGrasp(each);
+      return [grasp.graspId, vector(each.tcpPose?.position), millimetres(grasp.gripperOpeningM), millimetres(grasp.approachDistanceM), grasp.priority];
+    })));
 }
 
 function details(detection: Detection): HTMLElement {

@@ -3,7 +3,7 @@ import { Box3, Group, Matrix4, Vector3, type Object3D } from "three";
 import { WorldFrameSource } from "../gen/graspdb/v1/recognition_pb";
 import type { RecognizeResponse } from "../gen/graspdb/v1/recognition_service_pb";
 import { cells, listCells, recognition, type Explained, explain } from "./api";
-import { objectName, statusName, tone, type Answer } from "./answer";
+import { objectName, statusName, taughtGrasp, tone, type Answer } from "./answer";
 import { answerPanel, comparison } from "./answer_panel";
 import { h, replace } from "./dom";
 import { matrixOf, moved, type Points } from "./geometry";
@@ -277,7 +277,8 @@ export class SceneView {
       }
       if (this.layers.has("grasps")) {
         for (const grasp of detection.grasps.slice(0, isSelected ? maxGrasps : 1)) {
-          group.add(gripperObject(matrixOf(grasp.tcpPose), grasp.gripperOpeningM, grasp.approachDistanceM, "#f08a24"));
+          const { gripperOpeningM, approachDistanceM } = taughtGrasp(grasp);
+          group.add(gripperObject(matrixOf(grasp.tcpPose), gripperOpeningM, approachDistanceM, "#f08a24"));
         }
       }
       if (this.layers.has("axes") && detection.refinedPose) group.add(axesObject(matrixOf(detection.refinedPose), 0.06));

@@ -53,7 +53,7 @@ class SeeingRunner : public client::ScriptedRunner {
     const rendering::Placement& placement = scene->placements.front();
     const v1::Grasp& grasp = parts_[placement.part].grasps.front();
     client::JobPose out;
-    out.grasp.id = "a";
+    out.grasp.set_grasp_id("a");
     out.base_primary = placement.world_object * files::FromMessage(grasp.tcp_pose()) *
                        Eigen::Translation3d(off_m, 0, 0);
     return std::vector<client::JobPose>{out};

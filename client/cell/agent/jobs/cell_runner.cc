@@ -178,12 +178,12 @@ absl::Status CellRunner::ReportOutcome(RobotSession& session, PickOutcome outcom
     return absl::FailedPreconditionError("no pose was given to this robot since its last outcome");
   }
   session.SetScene(nullptr);  // the object lies elsewhere: no grasp may be shown relative to it
-  if (pose->grasp.id.empty()) {
+  if (pose->grasp.grasp_id().empty()) {
     return absl::FailedPreconditionError("the pose that was given has no grasp");
   }
   v1::ReportGraspOutcomeRequest report;
   report.set_name(pose->stable_pose);
-  report.set_grasp_id(pose->grasp.id);
+  report.set_grasp_id(pose->grasp.grasp_id());
   report.set_outcome(OutcomeMessage(outcome));
   report.set_cell(parts_.name);
   if (!pose->report || pose->report->outcome != outcome) pose->report = {outcome, MakeUuid4()};

@@ -45,17 +45,6 @@ absl::Status CheckAboveTable(const Pose& object_tcp, double approach_distance_m)
       "cell calibrated?"));
 }
 
-v1::Grasp GraspOf(const JobConfig& job, const Pose& object_tcp) {
-  v1::Grasp out;
-  out.set_grasp_id(job.grasp_id);
-  *out.mutable_tcp_pose() = files::ToMessage(object_tcp);
-  out.set_approach_distance_m(job.approach_distance_m);
-  out.set_retreat_distance_m(job.retreat_distance_m);
-  out.set_gripper_opening_m(job.gripper_opening_m);
-  out.set_priority(job.priority);
-  return out;
-}
-
 }  // namespace
 
 std::shared_ptr<const SeenScene> RecallScene(const RobotSession& session) {
@@ -74,19 +63,21 @@ absl::Status StoreShownGrasp(Client& client, const JobConfig& job, const SeenSce
         " was found within 0.3 m of the tool; run a recognising job before the robot covers it"));
   }
   const Pose object_tcp = files::FromMessage(object->refined_pose()).inverse() * world_tcp;
-  RETURN_IF_ERROR(CheckAboveTable(object_tcp, job.approach_distance_m));
+  RETURN_IF_ERROR(CheckAboveTable(object_tcp, job.shown_grasp.approach_distance_m()));
   absl::StatusOr<v1::StablePose> pose = client.GetStablePose(object->stable_pose());
   if (!pose.ok()) return Refusal(pose.status());
   v1::UpdateStablePoseRequest update;
   *update.mutable_stable_pose() = *pose;  // with its etag, so that no concurrent change is lost
+  v1::Grasp shown = job.shown_grasp;
+  *shown.mutable_tcp_pose() = files::ToMessage(object_tcp);
   auto* grasps = update.mutable_stable_pose()->mutable_grasps();
-  const auto is_it = [&](const v1::Grasp& grasp) { return grasp.grasp_id() == job.grasp_id; };
-  const auto existing = std::ranges::find_if(*grasps, is_it);
-  (existing == grasps->end() ? *grasps->Add() : *existing) = GraspOf(job, object_tcp);
+  const auto existing = std::ranges::find(*grasps, shown.grasp_id(), &v1::Grasp::grasp_id);
+  (existing == grasps->end() ? *grasps->Add() : *existing) = shown;
   update.mutable_update_mask()->add_paths("grasps");
   absl::Status stored = Refusal(client.UpdateStablePose(update).status());
   if (stored.ok()) {
-    spdlog::info("event=grasp_shown stable_pose={} grasp={}", object->stable_pose(), job.grasp_id);
+    spdlog::info("event=grasp_shown stable_pose={} grasp={}", object->stable_pose(),
+                 shown.grasp_id());
   }
   return stored;
 }

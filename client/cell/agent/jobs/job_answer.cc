@@ -44,9 +44,21 @@ std::string ObjectionTo(const JobConfig& job, const v1::Detection& detection,
   return absl::StrCat(object, " lacks the label ", job.label);
 }
 
-ToolPath PathOf(const v1::GraspProposal& grasp) {
-  return {files::FromMessage(grasp.tcp_pose()), grasp.approach_distance_m(),
-          grasp.retreat_distance_m()};
+// Whether a robot at `world_base` (T_world_base) reaches the approach along the tool's z axis, the
+// grasp, and the retreat straight up.
+bool IsWithinReach(const Reach& reach, const Pose& world_base, const v1::GraspProposal& proposal) {
+  const Pose world_tcp = files::FromMessage(proposal.tcp_pose());
+  const v1::Grasp& grasp = proposal.grasp();
+  const Eigen::Vector3d at = world_tcp.translation();
+  const Eigen::Vector3d before =
+      at - grasp.approach_distance_m() * world_tcp.linear().col(2).eval();
+  const Eigen::Vector3d above = at + grasp.retreat_distance_m() * Eigen::Vector3d::UnitZ();
+  for (const Eigen::Vector3d& point : std::array{at, before, above}) {
+    const double distance = (point - world_base.translation()).norm();
+    if (distance < reach.min_m || distance > reach.max_m) return false;
+    if (reach.workspace && !reach.workspace->Contains(point)) return false;
+  }
+  return true;
 }
 
 std::vector<Object> ObjectsFor(const JobConfig& job, const v1::RecognizeResponse& answer,
@@ -57,7 +69,7 @@ std::vector<Object> ObjectsFor(const JobConfig& job, const v1::RecognizeResponse
     if (!ObjectionTo(job, detection, has_label).empty()) continue;
     Object object{&detection, {}};
     for (const v1::GraspProposal& grasp : detection.grasps()) {
-      if (IsWithinReach(reach, frames.world_base, PathOf(grasp))) object.grasps.push_back(&grasp);
+      if (IsWithinReach(reach, frames.world_base, grasp)) object.grasps.push_back(&grasp);
     }
     if (!object.grasps.empty() || detection.status() == v1::NO_GRASP) {
       out.push_back(std::move(object));
@@ -68,14 +80,7 @@ std::vector<Object> ObjectsFor(const JobConfig& job, const v1::RecognizeResponse
   return out;
 }
 
-JobGrasp JobGraspOf(const v1::GraspProposal& grasp) {
-  return {.id = grasp.grasp_id(),
-          .gripper_opening_m = grasp.gripper_opening_m(),
-          .approach_distance_m = grasp.approach_distance_m(),
-          .retreat_distance_m = grasp.retreat_distance_m()};
-}
-
-JobPose PoseOf(const v1::Detection& detection, JobGrasp grasp) {
+JobPose PoseOf(const v1::Detection& detection, v1::Grasp grasp) {
   JobPose out;
   out.object = detection.object();
   out.stable_pose = detection.stable_pose();
@@ -86,19 +91,6 @@ JobPose PoseOf(const v1::Detection& detection, JobGrasp grasp) {
 
 }  // namespace
 
-bool IsWithinReach(const Reach& reach, const recognition::Pose& world_base, const ToolPath& path) {
-  const Eigen::Vector3d at = path.world_tcp.translation();
-  const Eigen::Vector3d before =
-      at - path.approach_distance_m * path.world_tcp.linear().col(2).eval();
-  const Eigen::Vector3d above = at + path.retreat_distance_m * Eigen::Vector3d::UnitZ();
-  for (const Eigen::Vector3d& point : std::array{at, before, above}) {
-    const double distance = (point - world_base.translation()).norm();
-    if (distance < reach.min_m || distance > reach.max_m) return false;
-    if (reach.workspace && !reach.workspace->Contains(point)) return false;
-  }
-  return true;
-}
-
 std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse& answer,
                               const CellFrames& frames, const Reach& reach,
                               const HasLabel& has_label) {
@@ -107,15 +99,15 @@ std::vector<JobPose> PosesFor(const JobConfig& job, const v1::RecognizeResponse&
   for (const Object& object : ObjectsFor(job, answer, frames, reach, has_label)) {
     const Pose base_object = base_world * files::FromMessage(object.detection->refined_pose());
     std::vector<Pose> base_tcps;
-    std::vector<JobGrasp> grasps;
+    std::vector<v1::Grasp> grasps;
     base_tcps.reserve(object.grasps.size());
     grasps.reserve(object.grasps.size());
     for (const v1::GraspProposal* grasp : object.grasps) {
       base_tcps.push_back(base_world * files::FromMessage(grasp->tcp_pose()));
-      grasps.push_back(JobGraspOf(*grasp));
+      grasps.push_back(grasp->grasp());
     }
     if (job.primary == JobPrimary::kObject) {
-      JobPose pose = PoseOf(*object.detection, grasps.empty() ? JobGrasp() : grasps.front());
+      JobPose pose = PoseOf(*object.detection, grasps.empty() ? v1::Grasp() : grasps.front());
       pose.base_primary = base_object;
       pose.base_related = std::move(base_tcps);
       pose.related_grasps = std::move(grasps);

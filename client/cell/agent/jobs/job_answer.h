@@ -15,6 +15,7 @@
 
 namespace graspdb::client {
 
+// What a robot reaches of a grasp: the start of the approach, the grasp and the end of the retreat.
 struct Reach {
   // Distance of the tool centre point from the robot's base, metres.
   double min_m = 0;
@@ -22,16 +23,6 @@ struct Reach {
   // World frame.
   std::optional<recognition::Box> workspace = {};
 };
-
-// Path of the tool: approach along its z axis, grasp, retreat upwards.
-struct ToolPath {
-  recognition::Pose world_tcp = recognition::Pose::Identity();  // at the grasp
-  double approach_distance_m = 0;
-  double retreat_distance_m = 0;  // straight up in the world frame
-};
-
-// Whether a robot at `world_base` (T_world_base) reaches approach, grasp and retreat.
-bool IsWithinReach(const Reach& reach, const recognition::Pose& world_base, const ToolPath& path);
 
 // Whether the object of this resource name has the label.
 using HasLabel = std::function<bool(const std::string& object, const std::string& label)>;

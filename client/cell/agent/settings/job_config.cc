@@ -79,7 +79,22 @@ absl::Status SetObject(const std::string& text, std::string* out) {
 
 absl::Status SetGrasp(const std::string& text, JobConfig* job) {
   job->kind = JobKind::kShowGrasp;
-  return SetId(text, &job->grasp_id);
+  return SetId(text, job->shown_grasp.mutable_grasp_id());
+}
+
+// A length of the shown grasp, m.
+absl::Status SetLength(const std::string& text, void (v1::Grasp::*set)(double), JobConfig* job) {
+  double length_m = 0;
+  RETURN_IF_ERROR(ParseNumber(text, 10, &length_m));
+  (job->shown_grasp.*set)(length_m);
+  return absl::OkStatus();
+}
+
+absl::Status SetPriority(const std::string& text, JobConfig* job) {
+  int priority = 0;
+  RETURN_IF_ERROR(ParseWhole<int>(text, -1000, 1000, &priority));
+  job->shown_grasp.set_priority(priority);
+  return absl::OkStatus();
 }
 
 absl::Status ApplyWord(const std::string& key, const std::string& value, JobConfig* job) {
@@ -110,10 +125,10 @@ absl::Status ApplyWord(const std::string& key, const std::string& value, JobConf
       {"limit", [&] { return ParseLimit(value, &job->time_limit); }},
       {"min-score", [&] { return ParseNumber(value, 1, &job->min_score); }},
       {"poses", [&] { return ParseWhole<std::size_t>(value, 1, 10000, &job->max_poses); }},
-      {"opening", [&] { return ParseNumber(value, 10, &job->gripper_opening_m); }},
-      {"approach", [&] { return ParseNumber(value, 10, &job->approach_distance_m); }},
-      {"retreat", [&] { return ParseNumber(value, 10, &job->retreat_distance_m); }},
-      {"priority", [&] { return ParseWhole<int>(value, -1000, 1000, &job->priority); }},
+      {"opening", [&] { return SetLength(value, &v1::Grasp::set_gripper_opening_m, job); }},
+      {"approach", [&] { return SetLength(value, &v1::Grasp::set_approach_distance_m, job); }},
+      {"retreat", [&] { return SetLength(value, &v1::Grasp::set_retreat_distance_m, job); }},
+      {"priority", [&] { return SetPriority(value, job); }},
   };
   const auto setter = setters.find(key);
   if (setter != setters.end()) return setter->second();
@@ -159,6 +174,13 @@ constexpr char kJobHelp[] =
 In the config file: job=["1 any","2 object=flange"])";
 
 }  // namespace
+
+v1::Grasp DefaultGrasp() {
+  v1::Grasp out;
+  out.set_approach_distance_m(0.1);
+  out.set_retreat_distance_m(0.1);
+  return out;
+}
 
 std::string JobHelp() { return kJobHelp; }
 

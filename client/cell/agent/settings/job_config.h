@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "graspdb/v1/catalog.pb.h"
 
 namespace graspdb::client {
 
@@ -20,6 +21,9 @@ enum class JobPrimary { kGrasp, kObject };
 // What a job does; the last three report the outcome of a grasp.
 enum class JobKind { kRecognize, kShowGrasp, kPicked, kMissed, kSlipped };
 
+// A grasp that moves 0.1 m for the approach and for the retreat.
+v1::Grasp DefaultGrasp();
+
 struct JobConfig {
   int id = 0;
   JobKind kind = JobKind::kRecognize;
@@ -30,11 +34,7 @@ struct JobConfig {
   double min_score = 0;                           // in addition to the server's own limits
   std::optional<absl::Duration> time_limit = {};  // absent: the cell's
   std::size_t max_poses = 0;                      // 0: all
-  std::string grasp_id = {};                      // kShowGrasp: id of the stored grasp
-  double gripper_opening_m = 0;                   // kShowGrasp
-  double approach_distance_m = 0.1;               // kShowGrasp
-  double retreat_distance_m = 0.1;                // kShowGrasp
-  int priority = 0;                               // kShowGrasp
+  v1::Grasp shown_grasp = DefaultGrasp();         // kShowGrasp: as it is stored, without the pose
 };
 
 // By id.

@@ -14,9 +14,10 @@ std::int32_t CountOf(std::size_t count) { return static_cast<std::int32_t>(count
 std::int32_t Millionths(double value) { return Saturated(1e6 * value); }
 
 void DescribeGrasp(const JobPose& primary, GriResponse* response) {
-  response->data[gri_data::kGripperOpening] = Millionths(1e3 * primary.grasp.gripper_opening_m);
-  response->data[gri_data::kApproachDistance] = Millionths(1e3 * primary.grasp.approach_distance_m);
-  response->data[gri_data::kRetreatDistance] = Millionths(1e3 * primary.grasp.retreat_distance_m);
+  const v1::Grasp& grasp = primary.grasp;
+  response->data[gri_data::kGripperOpening] = Millionths(1e3 * grasp.gripper_opening_m());
+  response->data[gri_data::kApproachDistance] = Millionths(1e3 * grasp.approach_distance_m());
+  response->data[gri_data::kRetreatDistance] = Millionths(1e3 * grasp.retreat_distance_m());
   response->data[gri_data::kScore] = Millionths(primary.score);
   response->data[gri_data::kCameraTime] = Millionths(primary.camera_s);
 }

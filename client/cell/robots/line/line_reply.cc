@@ -75,15 +75,15 @@ absl::StatusOr<std::string> PoseLine(const JobAnswer& answer, int format) {
 
 absl::StatusOr<std::string> GraspLine(const JobPose& pose) {
   std::string numbers;
-  const JobGrasp& grasp = pose.grasp;
+  const v1::Grasp& grasp = pose.grasp;
   for (const double m :
-       {grasp.approach_distance_m, grasp.retreat_distance_m, grasp.gripper_opening_m}) {
+       {grasp.approach_distance_m(), grasp.retreat_distance_m(), grasp.gripper_opening_m()}) {
     RETURN_IF_ERROR(AppendMm(m * kMmPerM, &numbers));
   }
   if (!std::isfinite(pose.score)) return absl::OutOfRangeError("the score is no number");
-  const std::string out = OkLine(
-      absl::StrCat(numbers.substr(1), " ", Fixed(pose.score, kScoreDecimals), " ",
-                   NameOr(pose.object), " ", NameOr(pose.stable_pose), " ", NameOr(grasp.id)));
+  const std::string out = OkLine(absl::StrCat(
+      numbers.substr(1), " ", Fixed(pose.score, kScoreDecimals), " ", NameOr(pose.object), " ",
+      NameOr(pose.stable_pose), " ", NameOr(grasp.grasp_id())));
   if (out.size() <= kMaxReplyBytes) return out;
   return absl::OutOfRangeError(
       "the names of object and grasp are too long for a line; shorten them");

@@ -30,7 +30,7 @@ inline grpc::Status MugOnTheTable(const v1::RecognizeRequest& /*request*/,
   *mug->mutable_refined_pose() = files::ToMessage(AtXZ(0.2));
   mug->mutable_centroid()->set_x(0.2);
   v1::GraspProposal* grasp = mug->add_grasps();
-  grasp->set_grasp_id("rim");
+  grasp->mutable_grasp()->set_grasp_id("rim");
   *grasp->mutable_tcp_pose() = files::ToMessage(AtXZ(0.2, 0.1));
   return grpc::Status::OK;
 }

@@ -24,7 +24,7 @@ TEST_F(CellRunnerTest, ReturnsGraspsInTheRobotsBaseFrame) {
   ASSERT_THAT(*poses, SizeIs(1));
   EXPECT_TRUE(poses->front().base_primary.isApprox(AtXZ(1.2, 0.1)));
   EXPECT_TRUE(poses->front().base_related[0].isApprox(AtXZ(1.2)));
-  EXPECT_EQ(poses->front().grasp.id, "rim");
+  EXPECT_EQ(poses->front().grasp.grasp_id(), "rim");
 }
 
 TEST_F(CellRunnerTest, ARobotGetsItsGraspThoughTheServerWasBusyAtFirst) {
@@ -37,7 +37,7 @@ TEST_F(CellRunnerTest, ARobotGetsItsGraspThoughTheServerWasBusyAtFirst) {
   const auto poses = Run(1);
   ASSERT_THAT(poses, IsOk());
   ASSERT_THAT(*poses, SizeIs(1));
-  EXPECT_EQ(poses->front().grasp.id, "rim");
+  EXPECT_EQ(poses->front().grasp.grasp_id(), "rim");
   EXPECT_EQ(calls, 2);
 }
 

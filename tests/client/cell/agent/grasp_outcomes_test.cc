@@ -109,7 +109,7 @@ TEST_F(CellRunnerTest, ABusyServerIsUnavailableForOutcomesAndLabels) {
 TEST_F(CellRunnerTest, APoseGivenWhileReportingFailsIsReportedNext) {
   const auto given = *Run(1);
   JobPose newer = given.front();
-  newer.grasp.id = "handle";
+  newer.grasp.set_grasp_id("handle");
   std::string reported;
   server_.Change([&](ScriptedServer& server) {
     server.report_outcome = [&](const v1::ReportGraspOutcomeRequest& request) {

@@ -74,7 +74,7 @@ TEST_F(HandGuidedTeachingTest, StoresTheGraspInTheFrameOfTheNearestObject) {
 }
 
 TEST_F(HandGuidedTeachingTest, ReplacesAGraspWithTheSameId) {
-  job_.grasp_id = "rim";
+  job_.shown_grasp.set_grasp_id("rim");
   ASSERT_THAT(StoreShownGrasp(client_, job_, scene_, ToolOverMug(0.09)), IsOk());
   ASSERT_EQ(server_.stable_pose.grasps_size(), 1);
   EXPECT_EQ(server_.stable_pose.grasps(0).priority(), 3);

@@ -32,12 +32,13 @@ v1::Detection Object(const std::string& object, double x) {
 }
 
 void AddGrasp(const std::string& id, const Pose& world_tcp, v1::Detection* object) {
-  v1::GraspProposal* grasp = object->add_grasps();
+  v1::GraspProposal* proposal = object->add_grasps();
+  *proposal->mutable_tcp_pose() = files::ToMessage(world_tcp);
+  v1::Grasp* grasp = proposal->mutable_grasp();
   grasp->set_grasp_id(id);
   grasp->set_approach_distance_m(0.1);
   grasp->set_retreat_distance_m(0.2);
   grasp->set_gripper_opening_m(0.05);
-  *grasp->mutable_tcp_pose() = files::ToMessage(world_tcp);
 }
 
 class PosesForTest : public ::testing::Test {
@@ -69,7 +70,7 @@ class PosesForTest : public ::testing::Test {
 
   std::vector<std::string> Ids() const {
     std::vector<std::string> out;
-    for (const JobPose& pose : Poses()) out.push_back(pose.object + " " + pose.grasp.id);
+    for (const JobPose& pose : Poses()) out.push_back(pose.object + " " + pose.grasp.grasp_id());
     return out;
   }
 
@@ -86,24 +87,24 @@ TEST_F(PosesForTest, GraspsAreInResponseOrderWithTheirObjectRelated) {
   ASSERT_THAT(first.base_related, SizeIs(1));
   EXPECT_TRUE(first.base_related[0].isApprox(AtXYZ(1.1, 0, 0)));
   EXPECT_THAT(first.related_grasps, IsEmpty());
-  EXPECT_EQ(first.grasp.gripper_opening_m, 0.05);
-  EXPECT_EQ(first.grasp.approach_distance_m, 0.1);
-  EXPECT_EQ(first.grasp.retreat_distance_m, 0.2);
+  EXPECT_EQ(first.grasp.gripper_opening_m(), 0.05);
+  EXPECT_EQ(first.grasp.approach_distance_m(), 0.1);
+  EXPECT_EQ(first.grasp.retreat_distance_m(), 0.2);
   EXPECT_EQ(first.stable_pose, "objects/mug/stablePoses/flat");
 }
 
 TEST_F(PosesForTest, APrimaryObjectHasItsGraspsRelated) {
   job_.primary = JobPrimary::kObject;
-  answer_.mutable_detections(0)->mutable_grasps(1)->set_gripper_opening_m(0.07);
+  answer_.mutable_detections(0)->mutable_grasps(1)->mutable_grasp()->set_gripper_opening_m(0.07);
   EXPECT_THAT(Ids(), ElementsAre("objects/mug rim", "objects/nut top"));
   const JobPose mug = Poses()[0];
   EXPECT_TRUE(mug.base_primary.isApprox(AtXYZ(1.1, 0, 0)));
   ASSERT_THAT(mug.base_related, SizeIs(2));
   EXPECT_TRUE(mug.base_related[1].isApprox(AtXYZ(1, 0, 0) * ToolAt(0.15, 0, 0.05)));
   ASSERT_THAT(mug.related_grasps, SizeIs(2));
-  EXPECT_EQ(mug.grasp.gripper_opening_m, 0.05);
-  EXPECT_EQ(mug.related_grasps[1].id, "side");
-  EXPECT_EQ(mug.related_grasps[1].gripper_opening_m, 0.07);
+  EXPECT_EQ(mug.grasp.gripper_opening_m(), 0.05);
+  EXPECT_EQ(mug.related_grasps[1].grasp_id(), "side");
+  EXPECT_EQ(mug.related_grasps[1].gripper_opening_m(), 0.07);
 }
 
 TEST_F(PosesForTest, FiltersByObjectAndLabel) {

@@ -40,12 +40,20 @@ TEST(ParseJob, ParsesAShownGrasp) {
       "80 show=top opening=0.06 approach=0.12 retreat=0.05 priority=-2 object=objects/mug");
   ASSERT_THAT(job, IsOk());
   EXPECT_EQ(job->kind, JobKind::kShowGrasp);
-  EXPECT_EQ(job->grasp_id, "top");
+  EXPECT_EQ(job->shown_grasp.grasp_id(), "top");
   EXPECT_EQ(job->object, "objects/mug");
-  EXPECT_EQ(job->gripper_opening_m, 0.06);
-  EXPECT_EQ(job->approach_distance_m, 0.12);
-  EXPECT_EQ(job->retreat_distance_m, 0.05);
-  EXPECT_EQ(job->priority, -2);
+  EXPECT_EQ(job->shown_grasp.gripper_opening_m(), 0.06);
+  EXPECT_EQ(job->shown_grasp.approach_distance_m(), 0.12);
+  EXPECT_EQ(job->shown_grasp.retreat_distance_m(), 0.05);
+  EXPECT_EQ(job->shown_grasp.priority(), -2);
+}
+
+TEST(ParseJob, AShownGraspMovesTenCentimetresByDefault) {
+  const auto job = ParseJob("80 show=top");
+  ASSERT_THAT(job, IsOk());
+  EXPECT_EQ(job->shown_grasp.approach_distance_m(), 0.1);
+  EXPECT_EQ(job->shown_grasp.retreat_distance_m(), 0.1);
+  EXPECT_EQ(job->shown_grasp.gripper_opening_m(), 0);
 }
 
 TEST(ParseJob, ParsesOutcomes) {

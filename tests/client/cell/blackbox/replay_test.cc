@@ -1,6 +1,7 @@
 #include "client/cell/blackbox/replay.h"
 
 #include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
 
 #include <cmath>
 
@@ -23,7 +24,9 @@ v1::RecognizeResponse Answer() {
   detection.set_score(0.84);
   detection.mutable_refined_pose()->mutable_position()->set_x(0.1);
   detection.mutable_refined_pose()->mutable_orientation()->set_w(1);
-  detection.add_grasps()->set_grasp_id("top");
+  v1::Grasp& grasp = *detection.add_grasps()->mutable_grasp();
+  grasp.set_grasp_id("top");
+  grasp.mutable_tcp_pose();
   out.add_stages()->set_stage("plane");
   return out;
 }
@@ -62,7 +65,7 @@ TEST(ReplayTest, DifferencesAreReported) {
   detection.mutable_refined_pose()->mutable_position()->set_x(0.1005);
   detection.mutable_refined_pose()->mutable_orientation()->set_w(0.5);
   detection.mutable_refined_pose()->mutable_orientation()->set_z(0.8660254037844386);
-  detection.mutable_grasps(0)->set_grasp_id("side");
+  detection.mutable_grasps(0)->mutable_grasp()->set_grasp_id("side");
   const ReplayResult result = CompareReplay(BundleOf(Answer()), now);
   EXPECT_FALSE(result.is_same);
   EXPECT_THAT(
@@ -77,6 +80,34 @@ TEST(ReplayTest, DifferentObjectsAndCountsAreReported) {
   now.add_detections();
   EXPECT_THAT(CompareReplay(BundleOf(Answer()), now).differences,
               ElementsAre("1 objects, now 2", "object 1: objects/flange, now objects/cap"));
+}
+
+// As of a server of before GraspProposal.grasp: `grasps` is the text of its proposals.
+v1::RecognizeResponse EarlierAnswer(const std::string& grasps) {
+  v1::Detection earlier;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(grasps, &earlier));
+  v1::RecognizeResponse out = Answer();
+  *out.mutable_detections(0)->mutable_grasps() = earlier.grasps();
+  return out;
+}
+
+TEST(ReplayTest, AnswersOfEarlierServersAreComparedByWhatTheyHave) {
+  const std::string top = R"pb(grasp_id: "top" gripper_opening_m: 0.04)pb";
+  const auto bundle = BundleOf(EarlierAnswer("grasps {" + top + "}"));
+  const std::string grasp = R"pb(grasp {
+                                   grasp_id: "top"
+                                   gripper_opening_m: 0.04
+                                   tcp_pose {}
+                                 })pb";
+  EXPECT_TRUE(CompareReplay(bundle, EarlierAnswer("grasps {" + top + " " + grasp + "}")).is_same);
+  const ReplayResult other = CompareReplay(bundle, EarlierAnswer(R"pb(grasps {
+                                                                        grasp_id: "side"
+                                                                        grasp {
+                                                                          grasp_id: "side"
+                                                                          tcp_pose {}
+                                                                        }
+                                                                      })pb"));
+  EXPECT_THAT(other.differences, ElementsAre(HasSubstr("grasps top, now side")));
 }
 
 TEST(ReplayTest, TheLastBitCounts) {

@@ -77,9 +77,9 @@ TEST_F(GriJobsTest, ATriggerReturnsTheFirstPoseAndTheNumberLeft) {
 
 TEST_F(GriJobsTest, APoseHasGraspDataAndCameraTime) {
   JobPose grasp = {At(0.1), {At(0.11)}};
-  grasp.grasp.gripper_opening_m = 0.0625;
-  grasp.grasp.approach_distance_m = 0.05;
-  grasp.grasp.retreat_distance_m = 0.1;
+  grasp.grasp.set_gripper_opening_m(0.0625);
+  grasp.grasp.set_approach_distance_m(0.05);
+  grasp.grasp.set_retreat_distance_m(0.1);
   grasp.score = 0.75;
   grasp.camera_s = 0.033;
   runner_.found = std::vector<JobPose>{grasp};
@@ -95,9 +95,11 @@ TEST_F(GriJobsTest, APoseHasGraspDataAndCameraTime) {
 
 TEST_F(GriJobsTest, ARelatedGraspHasItsOwnData) {
   JobPose object = {At(0.1), {At(0.11), At(0.12)}};
-  object.related_grasps = {
-      {.gripper_opening_m = 0.04},
-      {.gripper_opening_m = 0.08, .approach_distance_m = 0.06, .retreat_distance_m = 0.2}};
+  object.related_grasps.resize(2);
+  object.related_grasps[0].set_gripper_opening_m(0.04);
+  object.related_grasps[1].set_gripper_opening_m(0.08);
+  object.related_grasps[1].set_approach_distance_m(0.06);
+  object.related_grasps[1].set_retreat_distance_m(0.2);
   object.grasp = object.related_grasps.front();
   runner_.found = std::vector<JobPose>{object};
   EXPECT_EQ(Call(GriAction::kTriggerJobSync).data[3], 40'000'000);
@@ -110,7 +112,7 @@ TEST_F(GriJobsTest, ARelatedGraspHasItsOwnData) {
 
 TEST_F(GriJobsTest, LargeNumbersSaturate) {
   JobPose grasp = {At(0.1), {}};
-  grasp.grasp.approach_distance_m = 5;
+  grasp.grasp.set_approach_distance_m(5);
   runner_.found = std::vector<JobPose>{grasp};
   EXPECT_EQ(Call(GriAction::kTriggerJobSync).data[4], 2'147'483'647);
 }

@@ -28,8 +28,10 @@ inline JobPose Grasp(double x_m, const std::string& id) {
   out.base_primary = Down(x_m);
   out.object = "objects/bracket";
   out.stable_pose = "objects/bracket/stablePoses/flat";
-  out.grasp = {
-      .id = id, .gripper_opening_m = 0.04, .approach_distance_m = 0.1, .retreat_distance_m = 0.05};
+  out.grasp.set_grasp_id(id);
+  out.grasp.set_gripper_opening_m(0.04);
+  out.grasp.set_approach_distance_m(0.1);
+  out.grasp.set_retreat_distance_m(0.05);
   out.score = 0.93;
   return out;
 }

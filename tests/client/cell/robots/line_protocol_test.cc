@@ -44,11 +44,12 @@ TEST_F(LineProtocolTest, ACompletePickFromFormatToOutcome) {
 TEST_F(LineProtocolTest, ARelatedGraspHasItsOwnDetailsAndOutcome) {
   JobPose object = Grasp(0.5, "side");  // an object, which is given with its first grasp
   object.base_related = {Down(0.6), Down(0.7)};
-  object.related_grasps = {object.grasp,
-                           {.id = "top",
-                            .gripper_opening_m = 0.08,
-                            .approach_distance_m = 0.2,
-                            .retreat_distance_m = 0.15}};
+  object.related_grasps.assign(2, object.grasp);
+  v1::Grasp& top = object.related_grasps[1];
+  top.set_grasp_id("top");
+  top.set_gripper_opening_m(0.08);
+  top.set_approach_distance_m(0.2);
+  top.set_retreat_distance_m(0.15);
   runner_.Set(7, std::vector<JobPose>{object});
   Call("FORMAT 4");
   ASSERT_THAT(Call("RUN 7"), StartsWith("OK 0 2 500.000 "));

@@ -40,7 +40,7 @@ absl::Status ScriptedRunner::ReportOutcome(RobotSession& session, PickOutcome ou
   const std::optional<JobPose> given = session.TakeGiven();
   if (!given) return absl::FailedPreconditionError("no pose was given; run a job first");
   absl::MutexLock lock(&mutex_);
-  outcomes_.emplace_back(session.robot() + "/" + given->grasp.id, outcome);
+  outcomes_.emplace_back(session.robot() + "/" + given->grasp.grasp_id(), outcome);
   return absl::OkStatus();
 }
 
