@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "base/status_macros.h"
+#include "files/capture_sets/capture_check.h"
 #include "rendering/meshes/length_unit.h"
 #include "rendering/meshes/mesh_file.h"
 
@@ -22,7 +23,6 @@ constexpr double kLargestSideM = 0.6;
 constexpr double kSmallestObjectM = 0.001;
 constexpr double kLargestObjectM = 5;
 constexpr double kClearanceM = 0.02;
-constexpr std::size_t kMaxIdLength = 63;
 
 double LargestSideM(const TriangleMesh& mesh) {
   const recognition::Box box = BoundsOf(mesh);
@@ -53,7 +53,7 @@ std::string ObjectIdOf(const std::filesystem::path& path) {
     if (!absl::ascii_isalnum(byte) && c != '_' && c != '.') c = '-';
   }
   const std::size_t first = id.find_first_not_of("-_.");
-  id = first == std::string::npos ? "mesh" : id.substr(first, kMaxIdLength);
+  id = first == std::string::npos ? "mesh" : id.substr(first, files::kMaxIdLength);
   return id;
 }
 

@@ -16,7 +16,7 @@ constexpr int kMeasuredPoints = 1000;
 constexpr int kSearchedPoints = 50'000;
 // Turned shapes that differ less than this share of the diameter are equal.
 constexpr double kSameShape = 0.02;
-constexpr int kTurns = 72;
+constexpr int kComparedTurns = 72;
 
 struct Distances {
   double mean_m = 0;
@@ -62,13 +62,13 @@ double StrictlyRightM(const MeasuredShape& shape) {
 void FindTurns(MeasuredShape* shape) {
   shape->is_round = true;
   shape->turns_rad.clear();
-  for (int k = 0; k < kTurns; ++k) {
-    const double turn = 2 * std::numbers::pi * k / kTurns;
+  for (int k = 0; k < kComparedTurns; ++k) {
+    const double turn = 2 * std::numbers::pi * k / kComparedTurns;
     const Distances d = DistancesOf(*shape, TurnAboutZ(turn));
     shape->is_round = shape->is_round && d.largest_m <= StrictlyRightM(*shape);
     if (k == 0 || d.largest_m < kSameShape * shape->diameter_m) shape->turns_rad.push_back(turn);
   }
-  shape->any_turn = shape->turns_rad.size() == kTurns;
+  shape->any_turn = shape->turns_rad.size() == kComparedTurns;
 }
 
 }  // namespace

@@ -8,8 +8,8 @@ namespace {
 // Milliseconds after which a silent client gets a ping, and after which it is taken for gone: its
 // connection is closed and its calls end. Doubled, streams of a machine without power occupy their
 // threads for up to 100 s. gRPC's own time is two hours.
-constexpr int kKeepaliveMs = 30'000;
-constexpr int kKeepaliveTimeoutMs = 20'000;
+constexpr int kServerKeepaliveMs = 30'000;
+constexpr int kServerKeepaliveTimeoutMs = 20'000;
 // Clients may send pings this often; gRPC's own five minutes are longer than the idle time of many
 // routers. Halved, a client of pings alone takes twice the time of the server.
 constexpr int kMinPingMs = 10'000;
@@ -20,8 +20,8 @@ constexpr int kHandshakeMs = 20'000;
 }  // namespace
 
 void EndDeadConnections(grpc::ServerBuilder& builder) {
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kServerKeepaliveMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kServerKeepaliveTimeoutMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingMs);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);

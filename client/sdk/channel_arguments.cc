@@ -18,8 +18,8 @@ constexpr int kConnectMs = 4'000;
 // (server/builder_settings.cc), and after which the connection is closed if the ping or sent data
 // are not acknowledged (TCP_USER_TIMEOUT). Without, TCP repeats data up to 2 minutes after the
 // power is back at the server. Doubled, a server without power is noticed after 20 s.
-constexpr int kKeepaliveMs = 20'000;
-constexpr int kKeepaliveTimeoutMs = 10'000;
+constexpr int kClientKeepaliveMs = 20'000;
+constexpr int kClientKeepaliveTimeoutMs = 10'000;
 
 }  // namespace
 
@@ -28,8 +28,8 @@ grpc::ChannelArguments ChannelArgumentsFor(const std::string& server) {
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectMs);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kClientKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kClientKeepaliveTimeoutMs);
   if (IsLocalTarget(server)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);

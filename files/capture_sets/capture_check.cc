@@ -21,11 +21,8 @@ namespace {
 // such positions are stored.
 constexpr double kMaxGraspLengthM = 10;
 
-// Of the server's ids.
-constexpr std::size_t kMaxIdLength = 63;
-
 // The farthest point that the server accepts from a sensor, max_range_m of the contract.
-constexpr double kMaxDistanceM = 100;
+constexpr double kMaxSensorDistanceM = 100;
 
 // The stable poses of every object.
 using Declared = std::map<std::string, std::set<std::string>>;
@@ -196,7 +193,7 @@ absl::Status CheckDistances(const v1::CaptureSet& set) {
     const v1::Vector3& sensor = capture.sensor_pose().position();
     const double distance =
         std::hypot(object.x() - sensor.x(), object.y() - sensor.y(), object.z() - sensor.z());
-    if (distance <= kMaxDistanceM) continue;
+    if (distance <= kMaxSensorDistanceM) continue;
     return absl::InvalidArgumentError(
         absl::StrCat("captures[", i, "].objectPose is ", distance,
                      " m from sensorPose; positions are in metres, are these millimetres?"));

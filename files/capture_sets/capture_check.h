@@ -1,6 +1,7 @@
 // Validation of capture sets.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "absl/status/status.h"
@@ -31,6 +32,9 @@ absl::Status CheckStablePose(const v1::CapturedStablePose& pose, const std::stri
 // The longest of a grasp's lengths and of its tool's distance from the object's origin, m: 20 or
 // more are millimetres.
 double LongestLengthOf(const v1::Grasp& grasp);
+
+// Characters of an id, as the server limits them.
+inline constexpr std::size_t kMaxIdLength = 63;
 
 // INVALID_ARGUMENT, with the field, for an id that the server would reject: it is as one of an
 // object. Capture sets may have others while nothing is taught with them.

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kMaxSteps = 200;
+constexpr int kMaxLensIterations = 200;
 // Focal lengths: far below a hundredth of a pixel.
 constexpr double kExact = 1e-7;
 constexpr char kLensAdvice[] =
@@ -137,7 +137,7 @@ absl::Status AddCoefficients(const CameraEntry& entry, const LensModel& model, L
 std::optional<Vector2d> Undistorted(const Lens& lens, const Vector2d& place) {
   // As OpenCV's undistortPoints: the displacement at the last guess is taken from the place.
   Vector2d guess = place;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kMaxLensIterations; ++step) {
     const Vector2d error = Distorted(lens, guess) - place;
     if (!error.allFinite()) break;
     if (error.norm() < kExact) return guess;

@@ -24,16 +24,16 @@ namespace {
 using Words = std::vector<std::string>;
 
 constexpr int kMaxHeaderLines = 1000;
-constexpr std::size_t kMaxLineBytes = std::size_t{64} * 1024;
+constexpr std::size_t kMaxPcdLineBytes = std::size_t{64} * 1024;
 constexpr int kMaxFieldCount = 1024;
 constexpr std::int64_t kMaxBodyBytes = std::int64_t{4} << 30;
 constexpr double kViewpointTolerance = 1e-3;
 
 // One line of the header; empty at the end of the file or when no line feed
-// comes within kMaxLineBytes, as in a file that is not text.
+// comes within kMaxPcdLineBytes, as in a file that is not text.
 std::optional<std::string> NextLine(std::istream& in) {
   std::string line;
-  for (char c = 0; line.size() < kMaxLineBytes && in.get(c);) {
+  for (char c = 0; line.size() < kMaxPcdLineBytes && in.get(c);) {
     if (c == '\n') return line;
     line.push_back(c);
   }

@@ -11,12 +11,12 @@ namespace {
 using Eigen::Vector3d;
 using recognition::Points;
 
-constexpr std::size_t kMaxPoints = 500;
+constexpr std::size_t kMaxKeptPoints = 500;
 constexpr double kTableM = 0.004;  // lower points are the table
 
-// Every n-th point, so that at most kMaxPoints are left.
+// Every n-th point, so that at most kMaxKeptPoints are left.
 Points Thinned(const Points& points) {
-  const std::size_t step = points.size() / kMaxPoints + 1;
+  const std::size_t step = points.size() / kMaxKeptPoints + 1;
   Points out;
   for (std::size_t i = 0; i < points.size(); i += step) out.push_back(points[i]);
   return out;

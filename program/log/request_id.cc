@@ -11,7 +11,7 @@ namespace graspdb {
 namespace {
 
 // A UUID with dashes has 36. Doubled, a log line may be 64 bytes longer.
-constexpr std::size_t kMaxBytes = 64;
+constexpr std::size_t kMaxRequestIdBytes = 64;
 
 bool IsPlain(char c) {
   return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.';
@@ -20,7 +20,7 @@ bool IsPlain(char c) {
 }  // namespace
 
 bool IsRequestId(std::string_view id) {
-  return !id.empty() && id.size() <= kMaxBytes && std::ranges::all_of(id, IsPlain);
+  return !id.empty() && id.size() <= kMaxRequestIdBytes && std::ranges::all_of(id, IsPlain);
 }
 
 std::string MakeRequestId() {

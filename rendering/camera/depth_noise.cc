@@ -11,7 +11,7 @@
 namespace graspdb::rendering {
 namespace {
 
-constexpr double kMaxDeviationM = 0.05;  // the slant term has no bound
+constexpr double kMaxNoiseM = 0.05;  // the slant term has no bound
 
 // Independent random numbers for one pixel.
 enum Stream : std::uint64_t { kAxial, kDropout, kFlyingChance, kFlyingNeighbour, kFlyingShare };
@@ -27,9 +27,10 @@ bool IsLost(const DepthNoise& noise, std::uint64_t seed, std::size_t pixel, doub
 // The depth of a pixel beside `pixel`, chosen at random; 0 beyond the image.
 float NeighbourDepth(const std::vector<float>& depth, const IdealFrame& frame, std::uint64_t seed,
                      std::size_t pixel) {
-  constexpr std::array<std::array<int, 2>, 4> kSteps = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+  constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
   const auto width = static_cast<std::size_t>(frame.width);
-  const auto& [du, dv] = kSteps[RandomBits(seed, kFlyingNeighbour, pixel) % kSteps.size()];
+  const auto& [du, dv] =
+      kNeighbours[RandomBits(seed, kFlyingNeighbour, pixel) % kNeighbours.size()];
   const int u = static_cast<int>(pixel % width) + du;
   const int v = static_cast<int>(pixel / width) + dv;
   if (u < 0 || v < 0 || u >= frame.width || v >= frame.height) return 0;
@@ -63,7 +64,7 @@ double AxialDeviation(const AxialNoise& noise, double depth_m, double incidence_
   const double slant = noise.slant * std::pow(depth_m, noise.slant_power) * ratio * ratio;
   const double deviation =
       noise.offset + noise.linear * depth_m + noise.quadratic * from_origin * from_origin + slant;
-  return std::clamp(deviation, 0.0, kMaxDeviationM);
+  return std::clamp(deviation, 0.0, kMaxNoiseM);
 }
 
 void ApplyNoise(const DepthNoise& noise, std::uint64_t seed, IdealFrame& frame) {

@@ -23,7 +23,7 @@ namespace {
 using Words = std::vector<absl::string_view>;
 
 constexpr std::size_t kMaxVertexWords = 8;  // x y z, weight or colour
-constexpr std::size_t kMaxLineBytes = 1 << 20;
+constexpr std::size_t kMaxObjLineBytes = 1 << 20;
 
 // Whether a backslash continues a line with that keyword; behind names it is part of the name.
 bool IsOfNumbers(absl::string_view keyword) {
@@ -60,7 +60,7 @@ class ObjReader {
     absl::string_view line = NextLine();
     const absl::string_view keyword = line.substr(0, line.find_first_of(" \t"));
     std::string out;
-    while (out.size() + line.size() <= kMaxLineBytes) {
+    while (out.size() + line.size() <= kMaxObjLineBytes) {
       absl::StrAppend(&out, line);
       if (!IsOfNumbers(keyword) || out.empty() || out.back() != '\\' || text_.empty()) return out;
       out.back() = ' ';

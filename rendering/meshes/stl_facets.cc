@@ -19,13 +19,13 @@
 namespace graspdb::rendering {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 80;
-constexpr std::size_t kFirstFacet = kHeaderBytes + sizeof(std::uint32_t);
+constexpr std::size_t kStlHeaderBytes = 80;
+constexpr std::size_t kFirstFacet = kStlHeaderBytes + sizeof(std::uint32_t);
 constexpr std::size_t kFacetBytes = 50;
 
 std::uint64_t DeclaredBytes(std::string_view bytes) {
   std::uint32_t count = 0;
-  bytes.copy(reinterpret_cast<char*>(&count), sizeof(count), kHeaderBytes);
+  bytes.copy(reinterpret_cast<char*>(&count), sizeof(count), kStlHeaderBytes);
   return kFirstFacet + std::uint64_t{kFacetBytes} * count;
 }
 
@@ -51,7 +51,7 @@ class StlText {
       ++count;
     }
     if (is_open_) return absl::InvalidArgumentError("it is cut short, as no endsolid ends it");
-    std::memcpy(out_.data() + kHeaderBytes, &count, sizeof(count));
+    std::memcpy(out_.data() + kStlHeaderBytes, &count, sizeof(count));
     return std::move(out_);
   }
 
@@ -140,7 +140,7 @@ absl::StatusOr<std::string> BinaryStl(std::string_view bytes) {
 
 std::string StlDescription(std::string_view bytes) {
   std::string text(bytes.substr(
-      0, IsBinaryStl(bytes) ? kHeaderBytes : std::min(bytes.find('\n'), bytes.size())));
+      0, IsBinaryStl(bytes) ? kStlHeaderBytes : std::min(bytes.find('\n'), bytes.size())));
   std::ranges::replace(text, '\0', ' ');
   return text;
 }

@@ -18,7 +18,7 @@ namespace graspdb::server {
 namespace {
 
 // Between checks for a cancellation while another upload is described.
-constexpr absl::Duration kWatchPeriod = absl::Milliseconds(20);
+constexpr absl::Duration kCancellationPeriod = absl::Milliseconds(20);
 
 }  // namespace
 
@@ -120,7 +120,7 @@ absl::Status UploadService::Describe(const storage::UploadRecord& upload,
     absl::MutexLock lock(&mutex_);
     while (is_describing_) {
       if (is_cancelled()) return absl::CancelledError(std::string(kCommitCancelled));
-      description_ended_.WaitUntil(&mutex_, MonotonicTime::Now() + kWatchPeriod);
+      description_ended_.WaitUntil(&mutex_, MonotonicTime::Now() + kCancellationPeriod);
     }
     is_describing_ = true;
   }

@@ -25,7 +25,7 @@ constexpr std::size_t kCloudHeaderSize = 12;
 constexpr int kCompressionLevel = 3;
 // A difference of two coordinates is below 2^23 steps, which is four bytes of seven bits.
 constexpr std::size_t kMaxVarintSize = 4;
-constexpr std::int32_t kMaxSteps = 2'000'000;
+constexpr std::int32_t kMaxCoordinateSteps = 2'000'000;
 // Points that are encoded at once, and the bytes for their coordinates along an axis.
 constexpr std::size_t kPointsAtOnce = 256;
 constexpr std::size_t kBytesAtOnce = kPointsAtOnce * kMaxVarintSize;
@@ -113,7 +113,7 @@ absl::StatusOr<std::vector<CloudPoint>> DecodePlanes(std::string_view raw, std::
       std::uint32_t difference = 0;
       if (!TakeVarint(raw, difference)) return DamagedCloud("a coordinate is cut off");
       steps += UnZigZag(difference);
-      if (steps > kMaxSteps || steps < -kMaxSteps)
+      if (steps > kMaxCoordinateSteps || steps < -kMaxCoordinateSteps)
         return DamagedCloud("a coordinate is out of range");
       point[axis] = CoordinateOf(steps);
     }

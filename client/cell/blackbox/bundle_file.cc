@@ -11,10 +11,10 @@
 namespace graspdb::client {
 namespace {
 
-constexpr std::string_view kMagic = "GBB";
+constexpr std::string_view kBundleMagic = "GBB";
 constexpr char kVersion = 1;
-constexpr std::size_t kHeaderBytes = 4;
-constexpr std::uintmax_t kMaxBytes = std::numeric_limits<int>::max();  // of a message
+constexpr std::size_t kBundleHeaderBytes = 4;
+constexpr std::uintmax_t kMaxBundleBytes = std::numeric_limits<int>::max();  // of a message
 
 absl::Status NoBundle(const std::filesystem::path& path) {
   return absl::DataLossError(path.string() + " is not a bundle, or truncated; leave it out");
@@ -23,7 +23,7 @@ absl::Status NoBundle(const std::filesystem::path& path) {
 }  // namespace
 
 absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle) {
-  std::string out(kMagic);
+  std::string out(kBundleMagic);
   out += kVersion;
   if (bundle.AppendToString(&out)) return out;
   return absl::ResourceExhaustedError("the bundle exceeds the maximum message size");
@@ -36,16 +36,16 @@ absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
   if (error || !file) {
     return absl::NotFoundError("cannot read " + path.string() + "; is it there?");
   }
-  if (length > kMaxBytes) return NoBundle(path);
+  if (length > kMaxBundleBytes) return NoBundle(path);
   const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return NoBundle(path);
-  if (bytes[kMagic.size()] != kVersion) {
+  if (bytes.size() < kBundleHeaderBytes || !bytes.starts_with(kBundleMagic)) return NoBundle(path);
+  if (bytes[kBundleMagic.size()] != kVersion) {
     return absl::FailedPreconditionError(path.string() +
                                          " was written by a newer version; use that version");
   }
   v1::Bundle out;
-  const auto size = static_cast<int>(bytes.size() - kHeaderBytes);
-  if (!out.ParseFromArray(bytes.data() + kHeaderBytes, size)) return NoBundle(path);
+  const auto size = static_cast<int>(bytes.size() - kBundleHeaderBytes);
+  if (!out.ParseFromArray(bytes.data() + kBundleHeaderBytes, size)) return NoBundle(path);
   if (!out.has_request() || out.result_case() == v1::Bundle::RESULT_NOT_SET) return NoBundle(path);
   return out;
 }

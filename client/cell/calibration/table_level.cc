@@ -16,7 +16,7 @@ using recognition::Pose;
 
 constexpr double kRangeM = 1.5;
 constexpr double kOnTableM = 0.006;
-constexpr double kMinShare = 1.0 / 3;
+constexpr double kMinTableShare = 1.0 / 3;
 constexpr double kMaxViewAngleRad = 75 * recognition::kRadiansPerDegree;
 constexpr double kMaxTiltRad = 15 * recognition::kRadiansPerDegree;
 
@@ -33,7 +33,7 @@ absl::StatusOr<DetectedTable> FindTable(const recognition::Points& points) {
   }
   recognition::PlaneConstraint constraint;
   constraint.distance_m = kOnTableM;
-  constraint.min_share = kMinShare;
+  constraint.min_share = kMinTableShare;
   const auto plane = recognition::FindPlane(near, Vector3d::Zero(), constraint);
   if (!plane) {
     return absl::FailedPreconditionError(absl::StrFormat(

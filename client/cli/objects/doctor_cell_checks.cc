@@ -11,7 +11,7 @@ namespace {
 // regions at the edge of its image are taken for invisible.
 constexpr double kMaxViewAngle = 1.05;
 // Points of the region along each side. Doubled, eight times as many are tried.
-constexpr int kSteps = 9;
+constexpr int kPointsPerSide = 9;
 // No score is higher.
 constexpr double kHighestScore = 1;
 
@@ -21,12 +21,13 @@ bool IsInView(const Eigen::Vector3d& point) {  // in the sensor frame
 
 bool IsSeen(const v1::AxisAlignedBox& region, const recognition::Pose& sensor_world) {
   const auto at = [](double min, double max, int step) {
-    return min + (max - min) * step / (kSteps - 1);
+    return min + (max - min) * step / (kPointsPerSide - 1);
   };
-  for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
-    const Eigen::Vector3d point(at(region.min().x(), region.max().x(), i % kSteps),
-                                at(region.min().y(), region.max().y(), i / kSteps % kSteps),
-                                at(region.min().z(), region.max().z(), i / kSteps / kSteps));
+  for (int i = 0; i < kPointsPerSide * kPointsPerSide * kPointsPerSide; ++i) {
+    const Eigen::Vector3d point(
+        at(region.min().x(), region.max().x(), i % kPointsPerSide),
+        at(region.min().y(), region.max().y(), i / kPointsPerSide % kPointsPerSide),
+        at(region.min().z(), region.max().z(), i / kPointsPerSide / kPointsPerSide));
     if (IsInView(sensor_world * point)) return true;
   }
   return false;

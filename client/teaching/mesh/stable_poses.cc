@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using recognition::Pose;
 
 constexpr double kRollLiftShare = 0.005;  // of the diameter
-constexpr double kTouchingShare = 0.002;  // of the diameter
+constexpr double kContactShare = 0.002;   // of the diameter
 constexpr double kSameOrientationRad = 12 * std::numbers::pi / 180;
 // An object that rocks between two facets on which it often comes to rest has two stable poses: a
 // few degrees are some millimetres at its ends, which a pose upright on the table cannot represent.
@@ -142,7 +142,7 @@ absl::StatusOr<MeshStablePoses> FindStablePoses(const rendering::TriangleMesh& m
                    RestingFacets(hull, out.mass.center, kRollLiftShare * diameter));
   for (const Look& look : LooksOf(mesh, OrientationsOf(facets))) {
     const Orientation& a = look.orientation;
-    const double tips = TipAngle(hull, out.mass.center, a.down, kTouchingShare * diameter);
+    const double tips = TipAngle(hull, out.mass.center, a.down, kContactShare * diameter);
     const bool wanted = a.probability >= choice.min_probability || tips >= choice.stands_rad;
     if (!wanted && !out.poses.empty()) {
       out.left_out += a.probability;

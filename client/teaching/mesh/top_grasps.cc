@@ -15,9 +15,9 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr int kSamples = 12'000;
-constexpr int kDirections = 24;      // over half a turn
-constexpr double kMinPlayM = 0.003;  // on each side of the object when the gripper comes down
-constexpr double kPlayM = 0.010;     // on each side, if it can open that far
+constexpr int kClosingDirections = 24;  // over half a turn
+constexpr double kMinPlayM = 0.003;     // on each side of the object when the gripper comes down
+constexpr double kPlayM = 0.010;        // on each side, if it can open that far
 constexpr double kTouchDepthM = 0.0015;
 constexpr float kMinCosine = 0.9397F;  // of 20 degrees
 // Share of the object's maximum distance from its centre of mass: beyond it, the object would turn
@@ -173,8 +173,9 @@ std::vector<v1::Grasp> ProposeTopGrasps(const GraspedObject& object,
                                         const ParallelGripper& gripper) {
   const EvenSamples samples = SampleEvenly(*object.mesh, kSamples);
   std::vector<Candidate> found;
-  for (int k = 0; k < (object.any_turn ? 1 : kDirections); ++k) {
-    const Turned turned(samples, object.mass_center, std::numbers::pi * k / kDirections, gripper);
+  for (int k = 0; k < (object.any_turn ? 1 : kClosingDirections); ++k) {
+    const Turned turned(samples, object.mass_center, std::numbers::pi * k / kClosingDirections,
+                        gripper);
     if (const auto best = turned.Best()) found.push_back(*best);
   }
   std::vector<v1::Grasp> out;

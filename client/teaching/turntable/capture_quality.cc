@@ -15,9 +15,6 @@
 namespace graspdb::client {
 namespace {
 
-// Depths that differ by more than this share belong to different surfaces.
-constexpr float kSameSurface = 0.01F;
-
 // Pixels of the object, row by row.
 using Rows = std::map<int, std::set<int>>;
 
@@ -92,7 +89,7 @@ void CompareFrames(const Frames& frames, const Rows& rows, CaptureQuality* out) 
       const std::vector<float> depths = frames.Depths(row, column);
       if (depths.size() < 2) continue;
       const auto [nearest, farthest] = std::ranges::minmax(depths);
-      if (farthest - nearest > kSameSurface * nearest) ++moving;
+      if (farthest - nearest > kSameSurfaceShare * nearest) ++moving;
       deviations.push_back(DeviationOf(depths));
     }
   }

@@ -22,11 +22,11 @@ using Eigen::Vector3f;
 using recognition::Pose;
 
 constexpr double kWidestTurn = 65 * std::numbers::pi / 180;
-constexpr int kRounds = 25;
+constexpr int kAlignmentRounds = 25;
 constexpr double kFirstReachM = 0.02;
 constexpr double kLastReachM = 0.004;
 constexpr double kReachFactor = 0.8;
-constexpr float kCellM = 0.002F;
+constexpr float kTurntableCellM = 0.002F;
 constexpr float kSameSide = 0.7F;  // cosine of 45 degrees
 constexpr int kMinPairs = 4;
 constexpr double kLargestDeviationM = 0.001;
@@ -104,13 +104,13 @@ absl::StatusOr<SeenAxis> FindAxis(std::span<const TurnedCloud> views, const Vect
   std::vector<recognition::NearestGrid> grids;
   grids.reserve(views.size());
   for (const TurnedCloud& view : views) {
-    grids.emplace_back(view.cloud.points, kCellM, static_cast<float>(kFirstReachM));
+    grids.emplace_back(view.cloud.points, kTurntableCellM, static_cast<float>(kFirstReachM));
   }
   SeenAxis out{.axis = start};
   double reach = kFirstReachM;
   Equations sum;
   double smallest = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kAlignmentRounds; ++round) {
     sum = {};
     for (const Pair& pair : pairs) AddPair(pair, views, grids[pair.to], out.axis, reach, &sum);
     smallest = Eigen::SelfAdjointEigenSolver<Matrix2d>(sum.h).eigenvalues().x();

@@ -24,7 +24,7 @@ namespace {
 
 // Between checks for an interrupt while it waits for a busy server. Doubled, an interrupt takes up
 // to 0.1 s.
-constexpr absl::Duration kWatchPeriod = absl::Milliseconds(50);
+constexpr absl::Duration kInterruptPeriod = absl::Milliseconds(50);
 
 // With advice where the server was lost after views were sent. A commit may have been made then,
 // which leaves no upload to resume.
@@ -218,7 +218,7 @@ class BulkUpload {
       RETURN_IF_ERROR(GoOn());
       const MonotonicTime now = MonotonicTime::Now();
       if (now >= end) return absl::OkStatus();
-      has_stopped_.WaitUntil(&mutex_, std::min(end, now + kWatchPeriod));
+      has_stopped_.WaitUntil(&mutex_, std::min(end, now + kInterruptPeriod));
     }
   }
 

@@ -24,9 +24,9 @@ using recognition::Pose;
 constexpr std::uint64_t kSeed = 1;
 // A camera whose axis falls by less than this per metre does not look at the table.
 constexpr double kMinFall = 0.05;
-constexpr int kMinPixels = 30;
+constexpr int kMinSeenPixels = 30;
 // Around the turning object: for noise and flying pixels.
-constexpr double kMarginM = 0.05;
+constexpr double kRegionMarginM = 0.05;
 
 bool IsWithin(const v1::AxisAlignedBox& box, const Vector3d& p) {
   return p.x() >= box.min().x() && p.x() <= box.max().x() && p.y() >= box.min().y() &&
@@ -42,12 +42,12 @@ v1::AxisAlignedBox RegionOf(const rendering::TriangleMesh& mesh) {
     height = std::max(height, static_cast<double>(v.z()));
   }
   v1::AxisAlignedBox region = rendering::SimulatedRegion();
-  const double half_width = std::max(region.max().x(), radius + kMarginM);
+  const double half_width = std::max(region.max().x(), radius + kRegionMarginM);
   region.mutable_min()->set_x(-half_width);
   region.mutable_min()->set_y(-half_width);
   region.mutable_max()->set_x(half_width);
   region.mutable_max()->set_y(half_width);
-  region.mutable_max()->set_z(std::max(region.max().z(), height + kMarginM));
+  region.mutable_max()->set_z(std::max(region.max().z(), height + kRegionMarginM));
   return region;
 }
 
@@ -83,7 +83,7 @@ class Turntable {
     ASSIGN_OR_RETURN(const auto frame,
                      camera_.Render(scene, views_.world_sensor,
                                     rendering::RandomBits(kSeed, Hash(part), azimuth)));
-    if (std::ranges::count(frame.surface, 0) < kMinPixels) return NotVisible(part);
+    if (std::ranges::count(frame.surface, 0) < kMinSeenPixels) return NotVisible(part);
     request->set_parent(StablePoseName(part.object_id, part.stable_pose_id));
     *request->mutable_region_of_interest() = RegionOf(part.mesh);
     v1::View* view = request->mutable_view();
@@ -123,11 +123,11 @@ class Turntable {
 
 // The same mesh gives the same frame; the tolerances allow for rounding by other compilers.
 bool IsSameFrame(const Pose& a, const Pose& b) {
-  constexpr double kSameM = 1e-3;
-  constexpr double kSameRad = std::numbers::pi / 180;
+  constexpr double kSameFrameM = 1e-3;
+  constexpr double kSameFrameRad = std::numbers::pi / 180;
   const Pose between = a.inverse() * b;
-  return between.translation().norm() < kSameM &&
-         Eigen::AngleAxisd(between.linear()).angle() < kSameRad;
+  return between.translation().norm() < kSameFrameM &&
+         Eigen::AngleAxisd(between.linear()).angle() < kSameFrameRad;
 }
 
 // Stores the mesh's frame in a stable pose of this mesh that has none.

@@ -29,7 +29,7 @@ constexpr double kNextToShare = 0.5;
 constexpr double kLeaningShare = 0.25;
 constexpr double kMaxLeanRad = 0.5;
 constexpr double kMinInView = 0.4;
-constexpr std::size_t kMinPixels = 200;
+constexpr std::size_t kMinObjectPixels = 200;
 // So many pixels of others may lie inside of an object's box, which is smaller by the margin, m:
 // noise. The boxes of round parts are larger than they are.
 constexpr std::size_t kMaxInside = 15;
@@ -145,7 +145,7 @@ class Composer {
     }
     const bool in_view =
         static_cast<double>(pixels.size()) > kMinInView * static_cast<double>(count);
-    if (pixels.size() < kMinPixels || !in_view) return false;
+    if (pixels.size() < kMinObjectPixels || !in_view) return false;
     std::vector<Eigen::Vector3d> points;
     points.reserve(pixels.size());
     for (const std::size_t i : pixels) {

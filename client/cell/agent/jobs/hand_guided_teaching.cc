@@ -14,14 +14,14 @@ namespace {
 
 using recognition::Pose;
 
-constexpr double kMaxDistanceM = 0.3;
+constexpr double kMaxToolDistanceM = 0.3;
 constexpr double kBelowTableM = 0.001;
 constexpr absl::Duration kSceneMemory = absl::Minutes(10);
 
 const v1::Detection* NearestObject(const JobConfig& job, const SeenScene& scene,
                                    const Eigen::Vector3d& world_tcp) {
   const v1::Detection* nearest = nullptr;
-  double min_distance = kMaxDistanceM;
+  double min_distance = kMaxToolDistanceM;
   for (const v1::Detection& detection : scene.answer.detections()) {
     const bool is_known = detection.status() == v1::OK || detection.status() == v1::NO_GRASP ||
                           detection.status() == v1::OUT_OF_WORKSPACE;

@@ -21,7 +21,7 @@ using recognition::SurfaceModel;
 // Places of the scan at which sides are tried.
 constexpr double kPlaceSpacingM = 0.012;
 constexpr std::size_t kMaxPlaces = 500;
-constexpr int kTurns = 30;
+constexpr int kRollTurns = 30;
 // Minimum cosine between normals of scan and model: at the place; at all other points.
 constexpr float kPlaceAgreement = 0.9F;
 constexpr float kAgreement = 0.6F;
@@ -32,11 +32,11 @@ constexpr std::size_t kEarlyPoints = 16;
 constexpr float kMinEarlyFit = 0.25F;
 // Guesses to refine: per place, because many poses fit on e.g. a round arm, and in total.
 constexpr std::size_t kGuessesEach = 8;
-constexpr std::size_t kGuesses = 2000;
-constexpr std::size_t kFinalists = 24;
+constexpr std::size_t kMaxGuesses = 2000;
+constexpr std::size_t kGrippedFinalists = 24;
 // Guesses closer than this count as the same pose: m, rad.
-constexpr double kSamePlaceM = 0.008;
-constexpr double kSameTurnRad = 0.14;
+constexpr double kSameGuessM = 0.008;
+constexpr double kSameGuessRad = 0.14;
 // Minimum confirmed share of the visible surface, and minimum visible share: an empty gripper
 // matches many objects to nine tenths.
 constexpr double kMinSeen = 0.94;
@@ -71,11 +71,11 @@ class SideMatcher {
     std::vector<Guess> out;
     for (const std::size_t place : Places()) {
       std::vector<Guess> here;
-      for (int turn = 0; turn < kTurns; ++turn) TryAt(place, turn, &here);
+      for (int turn = 0; turn < kRollTurns; ++turn) TryAt(place, turn, &here);
       KeepBest(kGuessesEach, &here);
       out.insert(out.end(), here.begin(), here.end());
     }
-    KeepBest(kGuesses, &out);
+    KeepBest(kMaxGuesses, &out);
     return out;
   }
 
@@ -96,7 +96,7 @@ class SideMatcher {
 
   void TryAt(std::size_t place, int turn, std::vector<Guess>* guesses) const {
     const Vector3f& at = cloud_.points[place];
-    const auto angle = static_cast<float>(2 * std::numbers::pi * turn / kTurns);
+    const auto angle = static_cast<float>(2 * std::numbers::pi * turn / kRollTurns);
     const Matrix3f sensor_look = (Eigen::Quaternionf::FromTwoVectors(Vector3f::UnitZ(), at) *
                                   Eigen::AngleAxisf(angle, Vector3f::UnitZ()))
                                      .toRotationMatrix();
@@ -135,8 +135,8 @@ class SideMatcher {
 
 bool AreSamePose(const SurfaceModel& model, const Pose& a, const Pose& b) {
   const Eigen::Vector3d center = model.center.cast<double>();
-  return (a * center - b * center).norm() < kSamePlaceM &&
-         Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSameTurnRad;
+  return (a * center - b * center).norm() < kSameGuessM &&
+         Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSameGuessRad;
 }
 
 // The best guesses, without duplicates.
@@ -153,7 +153,7 @@ std::vector<TargetFit> Finalists(const SurfaceModel& model, const TargetScan& sc
       return AreSamePose(model, other.world_target, fit.world_target);
     };
     if (std::ranges::none_of(out, is_same)) out.push_back(fit);
-    if (out.size() == kFinalists) break;
+    if (out.size() == kGrippedFinalists) break;
   }
   return out;
 }

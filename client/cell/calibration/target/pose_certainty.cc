@@ -16,8 +16,8 @@ constexpr double kVoxelM = 0.003;
 constexpr float kOwnM = 0.004F;
 // Deviation of a voxel along its normal, m, and number of voxels with correlated errors: fitted so
 // that predicted and measured detection errors agree (docs/calibration.md).
-constexpr double kPointDeviationM = 0.0012;
-constexpr double kCorrelatedPoints = 3;
+constexpr double kVoxelDeviationM = 0.0012;
+constexpr double kCorrelatedVoxels = 3;
 // Deviations allowed by the edges of an object.
 constexpr double kEdgeShiftM = 0.0015;
 constexpr double kEdgeTurnRad = 1.5 * recognition::kRadiansPerDegree;
@@ -49,7 +49,7 @@ Matrix6d CovarianceOf(const recognition::SurfaceModel& model, const recognition:
   }
   // Information matrix in the target's frame, whose origin is near its centre.
   Matrix6d information = Diagonal(1 / kEdgeTurnRad, 1 / kEdgeShiftM);
-  const double weight = 1 / (kPointDeviationM * kPointDeviationM * kCorrelatedPoints);
+  const double weight = 1 / (kVoxelDeviationM * kVoxelDeviationM * kCorrelatedVoxels);
   for (const Vector3f& p : recognition::DownsampleToVoxels(own, kVoxelM).points) {
     const int nearest = model.grid.Nearest(p);
     if (nearest < 0) continue;

@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Depths farther from the median than this share of it belong to another surface.
-constexpr float kSameSurface = 0.01F;
 constexpr absl::Duration kPause = absl::Milliseconds(20);  // between checks of IsReady
 
 bool IsMeasured(const Vector3f& p) { return p.allFinite() && p.z() > 0; }
@@ -50,7 +48,7 @@ Vector3f MeanNearMedian(std::span<const StillScan> scans, std::size_t pixel,
   float sum = 0;
   float count = 0;
   for (const float depth : *depths) {
-    if (std::abs(depth - median) > kSameSurface * median) continue;
+    if (std::abs(depth - median) > kSameSurfaceShare * median) continue;
     sum += depth;
     ++count;
   }

@@ -12,6 +12,9 @@
 
 namespace graspdb::client {
 
+// Depths of a pixel that differ by more than this share of them belong to different surfaces.
+inline constexpr float kSameSurfaceShare = 0.01F;
+
 // Points in the sensor frame, metres; NaN: not measured.
 struct StillScan {
   recognition::Points points;

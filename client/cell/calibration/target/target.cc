@@ -22,11 +22,11 @@ using recognition::Points;
 using recognition::Pose;
 
 // Maximum deviation between fused views, m; beyond it they were taught without object poses.
-constexpr float kMaxDeviationM = 0.004F;
+constexpr float kMaxFusedDeviationM = 0.004F;
 // Detections closer than this, m, belong to one object.
 constexpr double kApartM = 0.05;
 // Crop of a target on the table: margin around it, and minimum height above the table, m.
-constexpr double kMarginM = 0.03;
+constexpr double kCropMarginM = 0.03;
 constexpr double kStandsAboveM = 0.006;
 // If the refinement confirms less than this share of the surface, the server's pose is kept.
 constexpr double kRefinedSeen = 0.75;
@@ -112,7 +112,7 @@ DetectedTarget RefineStanding(const Target& target, const StillScan& scan, const
                               const Pose& world_target) {
   const Eigen::Vector3d center = world_target * target.model->center.cast<double>();
   const Eigen::Vector3d reach =
-      Eigen::Vector3d::Constant(static_cast<double>(target.model->radius_m) + kMarginM);
+      Eigen::Vector3d::Constant(static_cast<double>(target.model->radius_m) + kCropMarginM);
   Box around{center - reach, center + reach};
   around.min.z() = kStandsAboveM;
   const Points points = PointsIn(around, scan, world_sensor);
@@ -136,7 +136,7 @@ absl::StatusOr<Target> LoadTarget(Client& client, const std::string& name) {
     clouds.push_back(std::move(cloud));
   }
   Target out{.stable_pose = std::move(stable_pose), .model = recognition::FuseViews(clouds)};
-  if (out.model == nullptr || out.model->deviation_m > kMaxDeviationM) {
+  if (out.model == nullptr || out.model->deviation_m > kMaxFusedDeviationM) {
     return absl::FailedPreconditionError(absl::StrCat(
         out.stable_pose, " has ", views.size(),
         " views, and they do not form one shape; teach it from all around with its object poses"));

@@ -19,9 +19,9 @@ using recognition::RefinementOptions;
 using recognition::SurfaceModel;
 
 constexpr std::size_t kMinVoxels = 50;
-constexpr RefinementOptions kRoughSteps = {
+constexpr RefinementOptions kRoughTargetSteps = {
     .iterations = 6, .first_reach_m = 0.02, .last_reach_m = 0.008, .coarse = true};
-constexpr RefinementOptions kLastSteps = {.iterations = 15, .first_reach_m = 0.01};
+constexpr RefinementOptions kLastTargetSteps = {.iterations = 15, .first_reach_m = 0.01};
 constexpr std::size_t kRoughStride = 3;
 constexpr double kRoughToleranceM = 0.006;
 constexpr double kToleranceM = 0.004;
@@ -81,7 +81,7 @@ void TargetScan::RefineRoughly(const SurfaceModel& model, TargetFit* guesses,
   for (std::size_t i = 0; i < count; ++i) {
     TargetFit& guess = guesses[i];
     guess.world_target =
-        recognition::Refine(model, target, guess.world_target, kRoughSteps).world_object;
+        recognition::Refine(model, target, guess.world_target, kRoughTargetSteps).world_object;
     const Evidence evidence = Verify(model, guess.world_target, columns, depth_buffer,
                                      {.tolerance_m = kRoughToleranceM, .coarse = true});
     guess.seen = evidence.model_seen;
@@ -111,7 +111,8 @@ TargetFit TargetScan::RefineOnce(const SurfaceModel& model, const Pose& world_ta
   const recognition::NearestGrid grid = GridOf(near.points);
   recognition::RefinementTarget target{near, columns, grid, depth_buffer, on_table_, {}};
   if (on_table_) target.table = recognition::Plane();
-  out.world_target = recognition::Refine(model, target, world_target, kLastSteps).world_object;
+  out.world_target =
+      recognition::Refine(model, target, world_target, kLastTargetSteps).world_object;
   const Evidence evidence =
       Verify(model, out.world_target, columns, depth_buffer, {.tolerance_m = kToleranceM});
   out.seen = evidence.model_seen;

@@ -11,7 +11,7 @@
 namespace graspdb::client {
 namespace {
 
-constexpr std::array<std::uint8_t, 4> kMagic = {'G', 'R', 'I', 0};
+constexpr std::array<std::uint8_t, 4> kGriMagic = {'G', 'R', 'I', 0};
 constexpr double kPerUnit = 1e6;
 
 // Reads numbers one after the other.
@@ -70,7 +70,7 @@ class Writer {
 };
 
 absl::Status CheckMagic(const std::array<std::uint8_t, 4>& magic) {
-  if (magic == kMagic) return absl::OkStatus();
+  if (magic == kGriMagic) return absl::OkStatus();
   return absl::InvalidArgumentError("the message does not begin with \"GRI\"");
 }
 
@@ -143,14 +143,14 @@ absl::StatusOr<GriResponse> ParseGriResponse(
 
 std::array<std::uint8_t, kGriRequestBytes> GriBytes(const GriRequest& request) {
   std::array<std::uint8_t, kGriRequestBytes> out = {};
-  Writer(out).Write(kMagic, request.version, request.length, request.pose_format, request.action,
+  Writer(out).Write(kGriMagic, request.version, request.length, request.pose_format, request.action,
                     request.job_id, request.pose.position, request.pose.rotation, request.data);
   return out;
 }
 
 std::array<std::uint8_t, kGriResponseBytes> GriBytes(const GriResponse& response) {
   std::array<std::uint8_t, kGriResponseBytes> out = {};
-  Writer(out).Write(kMagic, kGriVersion, static_cast<std::uint8_t>(kGriResponseBytes),
+  Writer(out).Write(kGriMagic, kGriVersion, static_cast<std::uint8_t>(kGriResponseBytes),
                     response.pose_format, response.action, response.job_id,
                     static_cast<std::int16_t>(response.code), response.pose.position,
                     response.pose.rotation, response.data);
