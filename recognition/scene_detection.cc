@@ -46,13 +46,13 @@ Eigen::Vector3d TowardsSensor(const Pose& world_object, const Pose& world_sensor
 constexpr float kStandsWithinM = 0.010F;
 
 // Maximum distance of an object's own points from its model, in deviations, and its lower limit, m.
-constexpr double kDeviations = 3;
-constexpr double kFinestM = 0.0035;
+constexpr double kOwnDeviations = 3;
+constexpr double kMinOwnM = 0.0035;
 
 // The points of `segment` that lie on the aligned model. Those of a touching neighbour do not.
 Segment OnModel(const OwnPoints& own, const Segment& segment, const Detection& d, double reach_m) {
   const auto limit = static_cast<float>(
-      std::clamp(kDeviations * d.evidence.rms_m, std::min(kFinestM, reach_m), reach_m));
+      std::clamp(kOwnDeviations * d.evidence.rms_m, std::min(kMinOwnM, reach_m), reach_m));
   const Eigen::Isometry3f object_world = d.refined_pose.inverse().cast<float>();
   return PartOf(own.scan, own.segmentation, segment, [&](const Eigen::Vector3f& p) {
     return d.model->DistanceTo(object_world * p) < limit;

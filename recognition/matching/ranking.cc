@@ -12,11 +12,12 @@ namespace graspdb::recognition {
 namespace {
 
 // A measurement matches a surface up to this many deviations away; a good alignment leaves the
-// deviation of the sensor and of the voxels. At least kFinestM, m. Chosen (ADR 9); not measured
-// alone. With twice the number the support distance of 8 mm is reached at a deviation of 0.9 mm,
-// and with twice the minimum nearly so at any: then objects that differ by some mm score alike.
-constexpr double kDeviations = 4.5;
-constexpr double kFinestM = 0.0035;
+// deviation of the sensor and of the voxels. At least kMinToleranceM, m. Chosen (ADR 9); not
+// measured alone. With twice the number the support distance of 8 mm is reached at a deviation of
+// 0.9 mm, and with twice the minimum nearly so at any: then objects that differ by some mm score
+// alike.
+constexpr double kEvidenceDeviations = 4.5;
+constexpr double kMinToleranceM = 0.0035;
 // Surfaces that are nowhere farther apart are the same, m, or as a share of the diameter. Chosen;
 // not measured alone. Doubled, surfaces of an object that are 6 to 12 mm apart count as one, and
 // such poses are no longer listed as ambiguous.
@@ -73,8 +74,9 @@ RankClass RankClassOf(const PoseHypothesis& h, const PoseHypothesis& best) {
 void RankClosely(const SoaCloud& segment, const DepthBuffer& depth_buffer,
                  double support_distance_m, std::vector<PoseHypothesis>* hypotheses) {
   if (hypotheses->empty()) return;
-  const double tolerance = std::clamp(kDeviations * hypotheses->front().evidence.rms_m,
-                                      std::min(kFinestM, support_distance_m), support_distance_m);
+  const double tolerance =
+      std::clamp(kEvidenceDeviations * hypotheses->front().evidence.rms_m,
+                 std::min(kMinToleranceM, support_distance_m), support_distance_m);
   for (PoseHypothesis& h : *hypotheses) {
     h.close_score =
         Verify(*h.model, h.refined, segment, depth_buffer, {.tolerance_m = tolerance}).score;

@@ -17,8 +17,8 @@ using Eigen::Vector3f;
 constexpr std::size_t kViewsThatOverlap = 6;
 
 // Projection of a point: deviation of its neighbours' weights, and their radius, m.
-constexpr float kDeviationM = 0.003F;
-constexpr float kReachM = 2 * kDeviationM;
+constexpr float kWeightDeviationM = 0.003F;
+constexpr float kWeightReachM = 2 * kWeightDeviationM;
 // Cosine between normals of one face.
 constexpr float kSameFace = 0.9F;
 // Points of one side that are nearer than this are one, m.
@@ -93,8 +93,9 @@ void Lay(const Means& means, const CellGrid& grid, Vector3f* point, Vector3f* no
     const Vector3f& n = means.cloud.normals[i];
     const Vector3f to = means.cloud.points[i] - *point;
     const float squared = to.squaredNorm();
-    if (squared > kReachM * kReachM || n.dot(*normal) < kSameFace) return;
-    const float weight = means.counts[i] * std::exp(-squared / (2 * kDeviationM * kDeviationM));
+    if (squared > kWeightReachM * kWeightReachM || n.dot(*normal) < kSameFace) return;
+    const float weight =
+        means.counts[i] * std::exp(-squared / (2 * kWeightDeviationM * kWeightDeviationM));
     off += weight * to.dot((n + *normal).normalized());
     direction += weight * n;
     weights += weight;
@@ -106,7 +107,7 @@ void Lay(const Means& means, const CellGrid& grid, Vector3f* point, Vector3f* no
 // The means, projected onto their surface.
 OrientedCloud Laid(const Means& means) {
   OrientedCloud out = means.cloud;
-  const CellGrid grid(out.points, kReachM);
+  const CellGrid grid(out.points, kWeightReachM);
   for (std::size_t i = 0; i < out.points.size(); ++i) {
     Lay(means, grid, &out.points[i], &out.normals[i]);
   }

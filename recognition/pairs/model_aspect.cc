@@ -9,9 +9,9 @@ namespace graspdb::recognition {
 namespace {
 
 // Cosine between normal and line of sight below which a depth camera measures little.
-constexpr float kMinFacing = 0.15F;
+constexpr float kMinMeasuredFacing = 0.15F;
 // Points that lie farther behind the nearest one are hidden, m.
-constexpr float kHidesBehindM = 0.006F;
+constexpr float kAspectHidesBehindM = 0.006F;
 constexpr float kFarZ = 1e9F;
 // Steeper surfaces are as if they had this slope.
 constexpr float kMaxSlope = 4;
@@ -52,11 +52,11 @@ class AspectImage {
   std::vector<std::uint16_t> Visible() const {
     std::vector<std::uint16_t> out;
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (places_[i].facing < kMinFacing) continue;
+      if (places_[i].facing < kMinMeasuredFacing) continue;
       // A slanted surface is nearer beside a point, without hiding it.
       const float f = places_[i].facing;
       const float slope = std::min(kMaxSlope, std::sqrt(std::max(0.0F, 1 - f * f)) / f);
-      const float behind = kHidesBehindM + 2 * slope * cell_m_;
+      const float behind = kAspectHidesBehindM + 2 * slope * cell_m_;
       if (places_[i].depth < nearest_[CellAt(CellOf(i))] + behind) {
         out.push_back(static_cast<std::uint16_t>(i));
       }
@@ -126,7 +126,7 @@ class AspectImage {
       owner = static_cast<std::int32_t>(i);
     }
     nearest_[middle] = std::min(nearest_[middle], depth);
-    if (places_[i].facing < kMinFacing) return;
+    if (places_[i].facing < kMinMeasuredFacing) return;
     const auto row = static_cast<std::size_t>(size_.x());
     for (const std::size_t first : {middle - row - 1, middle - 1, middle + row - 1}) {
       for (std::size_t cell = first; cell < first + 3; ++cell) {

@@ -10,7 +10,7 @@ namespace {
 // The gaps between the points of a model are smaller, pixels to each side.
 constexpr int kGapPx = 2;
 // Surfaces nearer than this are the same, m.
-constexpr float kSameM = 0.012F;
+constexpr float kExplainedWithinM = 0.012F;
 
 // The area of a block's object pixels, m2; 0 where one of them is explained.
 double OpenArea(const Frame& frame, int left, int top, int side) {
@@ -42,7 +42,7 @@ std::vector<bool> PixelsOn(const Frame& frame, const ImageModel& model,
       for (int x = u - kGapPx; x <= u + kGapPx; ++x) {
         if (!frame.Contains(x, y)) continue;
         const std::size_t pixel = frame.PixelAt(x, y);
-        if (std::abs(frame.depth[pixel] - p.z()) < kSameM) out[pixel] = true;
+        if (std::abs(frame.depth[pixel] - p.z()) < kExplainedWithinM) out[pixel] = true;
       }
     }
   }

@@ -29,7 +29,7 @@ constexpr std::size_t kWorkPerRow = 32;
 // Portions in which idle threads sum the cells.
 constexpr std::size_t kChunks = 16;
 // No camera measures nearer points, m.
-constexpr float kNearestM = 0.01F;
+constexpr float kMinRangeM = 0.01F;
 // Guesses of a distance before all are sorted.
 constexpr int kGuesses = 24;
 
@@ -215,7 +215,7 @@ std::optional<Indices> RemoveStatisticalOutliers(const Points& points, int neigh
     mean_distance[i] = static_cast<double>((*sums)[i]) / neighbor_count;
     if (viewpoint != nullptr) {
       const float range = (points[i] - *viewpoint).norm();
-      mean_distance[i] /= static_cast<double>(std::max(range, kNearestM));
+      mean_distance[i] /= static_cast<double>(std::max(range, kMinRangeM));
     }
     sum += mean_distance[i];
     squares += mean_distance[i] * mean_distance[i];

@@ -35,7 +35,7 @@ constexpr float kFlat = 0.966F;
 // pixels, and half of that would remove plates.
 constexpr double kRisenM = 0.003;
 // From the border to the lowest tenth of the piece. Doubled, a plate on a risen table is removed.
-constexpr double kStepM = 0.0036;
+constexpr double kBorderStepM = 0.0036;
 // From table_reach_m to the highest tenth. Doubled, it covers domes as high as lids.
 constexpr double kMaxTopM = 0.0045;
 // Slope of the table from beyond to the border: the distortion of a camera changes slowly, the side
@@ -184,7 +184,7 @@ bool IsPiece(const Candidate& candidate, const RingHeights& table) {
   if (!border_m || !beyond_m) return false;
   // Between the middles of the rings.
   constexpr double kDistanceM = 0.5 * kBeyondSteps * static_cast<double>(kCellM);
-  return *border_m > kRisenM && candidate.lowest_m < *border_m + kStepM &&
+  return *border_m > kRisenM && candidate.lowest_m < *border_m + kBorderStepM &&
          *border_m - *beyond_m < kMaxSlope * kDistanceM;
 }
 

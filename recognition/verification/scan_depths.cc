@@ -8,7 +8,7 @@ namespace graspdb::recognition {
 namespace {
 
 // How far around a segment its window reaches, m at the segment's distance.
-constexpr float kMarginM = 0.12F;
+constexpr float kWindowMarginM = 0.12F;
 // Pixels to a side.
 constexpr int kMaxPixelsPerSide = 2000;
 // Pixels farther than this from the optical axis have no index.
@@ -89,8 +89,9 @@ PixelWindow ScanDepths::WindowAround(const Segment& segment) const {
     return (at / kPitch).floor().max(-kFarthestPixel).min(kFarthestPixel).cast<int>();
   };
   PixelWindow out;
-  out.low = pixel(low - kMarginM / depth);
-  out.size = (pixel(high + kMarginM / depth) - out.low).array().min(kMaxPixelsPerSide - 1) + 1;
+  out.low = pixel(low - kWindowMarginM / depth);
+  out.size =
+      (pixel(high + kWindowMarginM / depth) - out.low).array().min(kMaxPixelsPerSide - 1) + 1;
   return out;
 }
 
