@@ -159,7 +159,7 @@ ROLE_TAG = 50801 << 3
 
 
 def role_of(method, roles):
-    """The name of the role that a caller needs."""
+    """The name of the role that a caller needs; None for calls of an agent."""
     data = method.options.SerializeToString()
     numbers = []
     at = 0
@@ -168,7 +168,7 @@ def role_of(method, roles):
         value, at = varint(data, at)  # the contract's options are numbers
         if tag == ROLE_TAG:
             numbers.append(value)
-    return next(value.name.removeprefix("ROLE_").lower() for value in roles.value if [value.number] == numbers)
+    return next((value.name.removeprefix("ROLE_").lower() for value in roles.value if [value.number] == numbers), None)
 
 
 def varint(data, at):
@@ -204,6 +204,8 @@ def document(contract):
     roles = contract.enums[".graspdb.v1.Role"][0]
     paths, tags, of_one = {}, [], []
     for full_name, service, path in contract.services:
+        if role_of(service.method[0], roles) is None:
+            continue  # of an agent, which the console does not call
         tags.append({"name": service.name, "description": contract.comment(path)})
         for i, method in enumerate(service.method):
             if method.client_streaming:

@@ -78,8 +78,8 @@ SegmentMatcher::SegmentMatcher(const ScanDepths& scan, const Segmentation& segme
       is_cancelled_(is_cancelled),
       depth_buffer_(scan, segmentation.world_sensor, segment),
       seen_{segmentation.world_sensor, segment.centroid,
-            ExtentOf(segment.cloud.points, depth_buffer_.sensor_world()),
-            segmentation.HasGravity(), segmentation.table_reach_m},
+            ExtentOf(segment.cloud.points, depth_buffer_.sensor_world()), segmentation.HasGravity(),
+            segmentation.table_reach_m},
       columns_(segment.cloud, StrideFor(segment, kFullPoints)),
       rough_columns_(segment.cloud, StrideFor(segment, kRoughPoints)),
       reachable_(segment.cloud.points, rough_columns_.stride()) {}

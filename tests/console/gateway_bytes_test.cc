@@ -162,7 +162,6 @@ class GatewayBytesTest : public ConsoleTest<ServerTest> {
         Json("UploadService/GetUpload", R"({"name":"uploads/open"})"),
         Json("UploadService/ListUploadViews", R"({"parent":"uploads/open"})"),
         Json("BackupService/ListBackups"),
-        Json("BackupService/VerifyBackup", R"({"name":"backups/1"})"),
         Json("BackupService/CompareBackup", R"({"name":"backups/1"})"),
     };
   }

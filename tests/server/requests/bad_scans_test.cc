@@ -265,7 +265,7 @@ TEST_F(SmallServerTest, AnOutlierInAFullFrameIsLeftOut) {
   EXPECT_EQ(Answer(request).status(), v1::NO_CLUSTER);
 }
 
-TEST_F(SmallServerTest, WithoutTableAndPoseThereIsNoWorldFrame) {
+TEST_F(SmallServerTest, WithoutTableAndPoseTheWorldIsTheSensors) {
   recognition::Points points;
   for (int i = 0; i < 3000; ++i) {  // a ball before the sensor
     const double turn = 2.399963 * i;
@@ -277,6 +277,13 @@ TEST_F(SmallServerTest, WithoutTableAndPoseThereIsNoWorldFrame) {
   }
   v1::RecognizeRequest request;
   *request.mutable_cloud() = PackedCloud(points);
+  const v1::RecognizeResponse answer = Answer(request);
+  EXPECT_EQ(answer.world_frame_source(), v1::WORLD_FRAME_SOURCE_SENSOR);
+  EXPECT_EQ(answer.status(), v1::UNKNOWN_OBJECT);
+  // A region is relative to the table.
+  request.mutable_region_of_interest()->mutable_max()->set_x(0.2);
+  request.mutable_region_of_interest()->mutable_max()->set_y(0.2);
+  request.mutable_region_of_interest()->mutable_max()->set_z(0.2);
   ExpectError(Call(&Recognition::Recognize, request), grpc::StatusCode::FAILED_PRECONDITION,
               "plane");
 }
