@@ -14,8 +14,6 @@ using testing::IsOk;
 
 class GenicamCellTest : public CellProgramsTest {
  protected:
-  GenicamCellTest() { graspdb::testing::EnterOwnNetwork(); }
-
   // Lays out a scene, and lets the camera show it.
   void Show(std::size_t scene) {
     LayOut(scene);
@@ -29,6 +27,7 @@ class GenicamCellTest : public CellProgramsTest {
     camera_.Show(std::get<v1::DepthImage>(frame->scan));
   }
 
+  const bool is_in_own_network_ = graspdb::testing::EnterOwnNetwork();  // before the camera starts
   client::FakeGenicamCamera camera_;
 };
 
