@@ -200,7 +200,7 @@ TEST(RangeImage, WhatIsNoPinholeImageIsRefused) {
 }
 
 TEST(RangeImage, OtherSizesAreDataLoss) {
-  for (const std::size_t size : {0, 7, 9, 12}) {
+  for (const std::size_t size : {0U, 7U, 9U, 12U}) {
     EXPECT_THAT(Read(RangeFormat::kC16, std::string(size, 'a'), 2, Camera()),
                 StatusIs(absl::StatusCode::kDataLoss, HasSubstr("2 x 2")))
         << size;

@@ -27,7 +27,7 @@ TEST(Z16, RowsMayBePadded) {
 }
 
 TEST(Z16, IncompleteImagesAreDataLoss) {
-  for (const std::size_t size : {0, 3, 4, 9}) {
+  for (const std::size_t size : {0U, 3U, 4U, 9U}) {
     EXPECT_THAT(CountsOfZ16(std::string(size, 'a'), {.width = 2, .height = 2, .bytes_per_row = 6}),
                 StatusIs(absl::StatusCode::kDataLoss, HasSubstr("2 x 2")))
         << size;
