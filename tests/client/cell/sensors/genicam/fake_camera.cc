@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
+#include <cstddef>
 #include <iterator>
 #include <utility>
 
@@ -32,7 +32,8 @@ struct FakeGenicamCamera::Parts {
                       static_cast<std::size_t>(arv_buffer_get_image_height(buffer)) *
                       ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) / 8;
     const absl::MutexLock lock(&parts->mutex);
-    std::memcpy(data, parts->bytes.data(), std::min(size, parts->bytes.size()));
+    std::ranges::copy_n(parts->bytes.begin(),
+                        static_cast<std::ptrdiff_t>(std::min(size, parts->bytes.size())), data);
   }
 
   ArvFakeCamera* camera() { return arv_gv_fake_camera_get_fake_camera(gige.get()); }

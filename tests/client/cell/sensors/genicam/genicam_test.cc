@@ -31,7 +31,7 @@ class GenicamTest : public ::testing::Test {
   static MonotonicTime Later() { return MonotonicTime::Now() + absl::Minutes(2); }
 
   static v1::DepthImage Ramp() {
-    std::vector<std::uint16_t> counts(64 * 48);
+    std::vector<std::uint16_t> counts(std::size_t{64} * 48);
     for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = static_cast<std::uint16_t>(i);
     return files::DepthMessage(
         counts, {.width = 64, .height = 48, .fx = 60, .fy = 61, .cx = 31.5, .cy = 23.5}, 0.0005);

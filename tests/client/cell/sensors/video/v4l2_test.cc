@@ -57,8 +57,9 @@ class V4l2Test : public ::testing::Test {
     auto video = std::make_unique<RecordedVideo>(camera);
     video_ = video.get();
     auto sensor = OpenV4l2("/dev/video2", std::move(video), options_, settings_);
-    if (sensor.ok()) sensor_ = *std::move(sensor);
-    return sensor.status();
+    if (!sensor.ok()) return sensor.status();
+    sensor_ = *std::move(sensor);
+    return absl::OkStatus();
   }
 
   // Stamped on arrival.
