@@ -16,6 +16,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "client/cell/sensors/video/video_calls.h"
 
@@ -48,14 +49,17 @@ class RecordedVideo : public VideoCalls {
   void Play(RecordedBuffer buffer) {
     const absl::MutexLock lock(&mutex_);
     recorded_.push_back(std::move(buffer));
+    changed_.SignalAll();
   }
   void Repeat(RecordedBuffer buffer) {
     const absl::MutexLock lock(&mutex_);
     repeated_ = std::move(buffer);
+    changed_.SignalAll();
   }
   void Unplug() {
     const absl::MutexLock lock(&mutex_);
     is_unplugged_ = true;
+    changed_.SignalAll();
   }
 
   int Control(unsigned long request, void* argument) override {
@@ -74,6 +78,7 @@ class RecordedVideo : public VideoCalls {
         return QueryBuffer(*static_cast<v4l2_buffer*>(argument));
       case VIDIOC_QBUF:
         queued_.push_back(static_cast<v4l2_buffer*>(argument)->index);
+        changed_.SignalAll();
         return 0;
       case VIDIOC_DQBUF:
         return Dequeue(*static_cast<v4l2_buffer*>(argument));
@@ -93,16 +98,21 @@ class RecordedVideo : public VideoCalls {
   }
 
   bool Wait(int timeout_ms) override {
+    const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
     const absl::MutexLock lock(&mutex_);
-    const auto is_ready = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-      return is_unplugged_ || ((repeated_ || !recorded_.empty()) && !queued_.empty());
-    };
-    return mutex_.AwaitWithTimeout(absl::Condition(&is_ready), absl::Milliseconds(timeout_ms));
+    // No absl::Condition: the thread sanitizer does not see the lock that guards its evaluation.
+    while (!IsReady() && !changed_.WaitWithDeadline(&mutex_, deadline)) {
+    }
+    return IsReady();
   }
 
  private:
   static constexpr std::size_t kLength = 64;
   static constexpr std::uint32_t kBuffers = 3;  // fewer than requested
+
+  bool IsReady() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return is_unplugged_ || ((repeated_ || !recorded_.empty()) && !queued_.empty());
+  }
 
   int QueryCapabilities(v4l2_capability& out) const {
     std::memcpy(out.card, camera_.card.data(), std::min(camera_.card.size(), sizeof(out.card)));
@@ -154,6 +164,7 @@ class RecordedVideo : public VideoCalls {
 
   const RecordedCamera camera_;
   absl::Mutex mutex_;
+  absl::CondVar changed_;
   std::deque<RecordedBuffer> recorded_ ABSL_GUARDED_BY(mutex_);
   std::optional<RecordedBuffer> repeated_ ABSL_GUARDED_BY(mutex_);
   std::deque<std::uint32_t> queued_ ABSL_GUARDED_BY(mutex_);
