@@ -13,7 +13,7 @@ namespace graspdb::console {
 
 struct UpstreamRequest {
   std::string path;        // "/graspdb.v1.CatalogService/GetObject"
-  bool is_stream = false;  // of responses, or of requests, of which it has one
+  bool is_stream = false;  // responses or requests are streams; a stream of requests has one here
   std::string message = {};
   std::optional<absl::Duration> timeout = std::nullopt;  // absent: none
   std::string authorization = {};  // of the caller; empty: that of the console, if it has one

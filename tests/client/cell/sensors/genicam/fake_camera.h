@@ -26,7 +26,7 @@ class FakeGenicamCamera {
   void Show(RangeFormat format, int width, int height, std::string bytes);
   // A depth image with its camera and unit, as Coord3D_C16 in millimetres.
   void Show(const v1::DepthImage& image);
-  // Sends images of another pixel format than those of range_image.h.
+  // Sends images of 8 bits, which range_image.h does not read.
   void ShowMono8();
 
   // Its id.
