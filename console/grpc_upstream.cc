@@ -59,14 +59,15 @@ class GrpcUpstream::Call : public UpstreamCall, public std::enable_shared_from_t
   }
 
   void Begin(const UpstreamRequest& request) {
-    const std::scoped_lock lock(begin_);
+    const std::scoped_lock lock(upstream_.begin_);
     self_ = shared_from_this();
     Send(has_own_authorization_ ? upstream_.open_stub_ : upstream_.stub_, request);
   }
   // An operation has ended.
   void OnOperation(bool ok) {
-    // What Begin() has written is visible from here on, however the queue passes on its tags.
-    { const std::scoped_lock lock(begin_); }
+    // What Begin() and the constructor have written is visible from here on, however the queue
+    // passes on its tags. So the lock is not one of the call.
+    { const std::scoped_lock lock(upstream_.begin_); }
     Proceed(ok);
   }
 
@@ -89,7 +90,6 @@ class GrpcUpstream::Call : public UpstreamCall, public std::enable_shared_from_t
   grpc::Status status_;
 
  private:
-  std::mutex begin_;
   const bool has_own_authorization_;
   OnEvent on_event_;
   std::shared_ptr<Call> self_;

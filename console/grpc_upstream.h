@@ -53,6 +53,7 @@ class GrpcUpstream : public Upstream {
   client::Reconnection reconnection_;
   client::Reconnection open_reconnection_;
   grpc::CompletionQueue queue_;
+  std::mutex begin_;  // while a call is begun
   std::mutex mutex_;  // of the next two
   std::condition_variable ended_;
   std::set<Call*> calls_;  // in progress
