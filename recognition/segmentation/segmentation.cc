@@ -1,9 +1,7 @@
 #include "recognition/segmentation/segmentation.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <string>
 
@@ -17,6 +15,7 @@
 #include "recognition/segmentation/outliers.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/table_pieces.h"
+#include "recognition/segmentation/table_plane.h"
 
 namespace graspdb::recognition {
 namespace {
@@ -25,11 +24,6 @@ using Eigen::Vector3d;
 
 // Search range of the table that defines the world frame, m. Without one, objects are as near.
 constexpr double kTableRange = 1.5;
-// A plane that is narrower than this, m, and looks narrower than this, rad, is a face of an object.
-// The real tables in docs/adr/0040 are 0.29 m and 21 degrees wide or more; the widest faces in the
-// same frames without their table 0.20 m and 18 degrees.
-constexpr double kNarrowestTableM = 0.25;
-constexpr double kNarrowestTableRad = 0.34;
 // Maximum gap between parts of one object with unseen space between them, in cluster tolerances.
 constexpr double kJoinReach = 2;
 
@@ -60,63 +54,6 @@ void Keep(const Indices& which, RegionPoints* cloud) {
   };
   keep(cloud->points);
   keep(cloud->indices);
-}
-
-// Whether a plane is wide enough for a table. Sides are those of a rectangle with the same second
-// moments as its points. Sensor frame.
-bool IsWideEnough(const Plane& plane, const Points& points, double distance_m) {
-  constexpr std::size_t kSamples = 4000;
-  const std::size_t step = std::max<std::size_t>(1, points.size() / kSamples);
-  Vector3d sum = Vector3d::Zero();
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  double count = 0;
-  for (std::size_t i = 0; i < points.size(); i += step) {
-    const Vector3d p = points[i].cast<double>();
-    if (std::abs(plane.Height(p)) > distance_m) continue;
-    sum += p;
-    products += p * p.transpose();
-    ++count;
-  }
-  if (count < 3) return false;
-  const Vector3d mean = sum / count;
-  const Eigen::Matrix3d covariance = products / count - mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  const double narrow_m = std::sqrt(12 * std::max(0.0, solver.eigenvalues()[1]));
-  return narrow_m >= kNarrowestTableM || narrow_m >= kNarrowestTableRad * mean.norm();
-}
-
-// Whether most of the points near a plane lie on a surface of it. Of what is within 3 cm of such a
-// point, nearly all is near the plane. The sides of objects have a layer of points as well, a table
-// that is too black to be measured has none.
-bool IsSurface(const Plane& plane, const Points& points, double distance_m) {
-  constexpr std::size_t kSamples = 4000;
-  constexpr std::size_t kCentres = 200;
-  constexpr float kAroundM = 0.03F;
-  constexpr double kNearlyAll = 0.8;
-  std::vector<Eigen::Vector4f> sample;  // x, y, z, height
-  const std::size_t step = std::max<std::size_t>(1, points.size() / kSamples);
-  for (std::size_t i = 0; i < points.size(); i += step) {
-    const auto height = static_cast<float>(plane.Height(points[i].cast<double>()));
-    sample.emplace_back(points[i].x(), points[i].y(), points[i].z(), height);
-  }
-  const auto is_near = [&](const Eigen::Vector4f& p) {
-    return std::abs(p.w()) <= static_cast<float>(distance_m);
-  };
-  std::vector<Eigen::Vector4f> centres;
-  std::ranges::copy_if(sample, std::back_inserter(centres), is_near);
-  const std::size_t stride = std::max<std::size_t>(1, centres.size() / kCentres);
-  int votes = 0;
-  for (std::size_t c = 0; c < centres.size(); c += stride) {
-    double around = 0;
-    double near = 0;
-    for (const Eigen::Vector4f& p : sample) {
-      if ((p - centres[c]).head<3>().squaredNorm() > kAroundM * kAroundM) continue;
-      around += 1;
-      near += is_near(p) ? 1 : 0;
-    }
-    votes += near >= kNearlyAll * around ? 1 : -1;
-  }
-  return votes > 0;
 }
 
 // T_world_sensor from the dominant plane in front of the sensor; nullopt where there is no table.
