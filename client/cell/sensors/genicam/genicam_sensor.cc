@@ -167,6 +167,7 @@ class GenicamSensor : public DepthSensor {
     if (intrinsics_ && intrinsics_->width == 0) intrinsics_->width = width;
     if (intrinsics_ && intrinsics_->height == 0) intrinsics_->height = height;
     const std::optional<RangeFormat> format = CurrentFormat();
+    if (!format) return absl::UnavailableError(absl::StrCat(name_, " does not answer any more"));
     const int bits = static_cast<int>((static_cast<std::uint32_t>(*format) >> 16U) & 0xFFU);
     const std::size_t bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                               static_cast<std::size_t>(bits / 8);
