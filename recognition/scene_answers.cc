@@ -50,8 +50,7 @@ class Scene {
                                  : absl::OkStatus();
   }
   double ShareWhere(const Segment& segment, const std::function<bool(std::size_t)>& holds) const;
-  void Touch(const std::vector<bool>& pixels, Detection* found,
-             std::vector<AnsweredSegment>* answers) const;
+  void Touch(const Pixels& pixels, Detection* found, std::vector<AnsweredSegment>* answers) const;
 
   const SceneInput& input_;
   const Pose world_sensor_;
@@ -89,7 +88,7 @@ absl::Status Scene::Explain(std::vector<SceneProposal> proposals,
                             std::vector<AnsweredSegment>* answers) {
   for (SceneProposal& proposal : proposals) {
     if (absl::Status status = CheckNotCancelled(); !status.ok()) return status;
-    const std::vector<bool> pixels = PixelsOn(frame_, *proposal.model, proposal.sensor_model);
+    const Pixels pixels = PixelsOn(frame_, *proposal.model, proposal.sensor_model);
     if (ExplainedShare(frame_, pixels) > kMaxExplainedShare) continue;
     AnsweredSegment answer;
     answer.detection = std::move(proposal.detection);
@@ -123,11 +122,12 @@ double Scene::ShareWhere(const Segment& segment,
 
 // A new detection gets the candidates of the segment that it lies on. It touches what else is in
 // that segment.
-void Scene::Touch(const std::vector<bool>& pixels, Detection* found,
+void Scene::Touch(const Pixels& pixels, Detection* found,
                   std::vector<AnsweredSegment>* answers) const {
   for (AnsweredSegment& answer : *answers) {
-    const double share =
-        ShareWhere(answer.segment, [&](std::size_t pixel) { return pixels[pixel]; });
+    const double share = ShareWhere(answer.segment, [&](std::size_t pixel) {
+      return std::ranges::binary_search(pixels, pixel);
+    });
     if (share < kTouchingShare) continue;
     if (found->candidates.empty()) found->candidates = answer.detection.candidates;
     if (share >= kNearlyAll) continue;

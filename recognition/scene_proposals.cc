@@ -128,12 +128,12 @@ class OwnPointsFinder {
 
   const ScanDepths& depths() const { return *depths_; }
 
-  Segment On(const std::vector<bool>& pixels) const {
+  Segment On(const Pixels& pixels) const {
     const Pose& world_sensor = input_.segmentation.world_sensor;
     Segment out;
     Points world;
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      if (!pixels[i] || frame_.role[i] != PixelRole::kObject || points_[i] < 0) continue;
+    for (const std::size_t i : pixels) {
+      if (frame_.role[i] != PixelRole::kObject || points_[i] < 0) continue;
       out.indices.push_back(points_[i]);
       world.push_back(world_sensor.cast<float>() * frame_.PointAt(i, frame_.depth[i]));
     }
@@ -178,7 +178,7 @@ struct Aligned {
 // `pixels` are those that the proposal explains.
 absl::StatusOr<Aligned> Align(const SceneInput& input, const Frame& frame,
                               const OwnPointsFinder& finder, const SceneProposal& proposal,
-                              const std::vector<bool>& pixels, bool may_explain_cluster) {
+                              const Pixels& pixels, bool may_explain_cluster) {
   Aligned out;
   const SceneParameters& scene = input.parameters.scene;
   const Segment segment = finder.On(pixels);
@@ -220,30 +220,12 @@ ClusterPixels ClustersOf(const SceneInput& input, const Frame& frame,
   return ClusterPixelsOf(input.scan, frame, clusters);
 }
 
-// What a proposal explains before it is aligned.
-struct ProposedPixels {
-  std::vector<bool> own;
-  bool may_explain_cluster = false;  // some of these show a cluster that proposals cover
-};
-
-std::vector<ProposedPixels> PixelsOf(const SceneInput& input, const Frame& frame,
-                                     const ClusterPixels& clusters,
-                                     const std::vector<SceneProposal>& proposals) {
-  std::vector<ProposedPixels> out(proposals.size());
+// What the proposals explain before they are aligned.
+std::vector<Pixels> PixelsOf(const Frame& frame, const std::vector<SceneProposal>& proposals) {
+  std::vector<Pixels> out(proposals.size());
   ForEachIndex(proposals.size(), [&](std::size_t i) {
-    out[i].own = PixelsOn(frame, *proposals[i].model, proposals[i].hypothesis.sensor_object);
+    out[i] = PixelsOn(frame, *proposals[i].model, proposals[i].hypothesis.sensor_object);
   });
-  std::vector<bool> all(frame.depth.size(), false);
-  for (const ProposedPixels& one : out) {
-    for (std::size_t p = 0; p < all.size(); ++p) all[p] = all[p] || one.own[p];
-  }
-  const std::vector<bool> covered =
-      PixelsOfCoveredClusters(frame, clusters, all, input.parameters.scene.clusters.min_proposed);
-  for (ProposedPixels& one : out) {
-    for (std::size_t p = 0; p < all.size() && !one.may_explain_cluster; ++p) {
-      one.may_explain_cluster = one.own[p] && covered[p];
-    }
-  }
   return out;
 }
 
@@ -351,14 +333,20 @@ absl::Status ConfirmProposals(const SceneInput& input, const Frame& frame,
   if (proposals->empty()) return absl::OkStatus();
   const SceneParameters& scene = input.parameters.scene;
   const ClusterPixels clusters = ClustersOf(input, frame, answers);
-  const std::vector<ProposedPixels> pixels = PixelsOf(input, frame, clusters, *proposals);
+  const std::vector<Pixels> pixels = PixelsOf(frame, *proposals);
+  const std::vector<bool> is_covered =
+      CoveredClusters(frame, clusters, pixels, scene.clusters.min_proposed);
   const OwnPointsFinder finder(input, frame);
   std::vector<absl::StatusOr<Aligned>> done(proposals->size(), Aligned());
   ForEachIndex(proposals->size(), [&](std::size_t i) {
     const SceneProposal& proposal = (*proposals)[i];
     const bool is_unlikely = proposal.log_odds < scene.min_log_odds;
-    if (input.is_cancelled() || (is_unlikely && !pixels[i].may_explain_cluster)) return;
-    done[i] = Align(input, frame, finder, proposal, pixels[i].own, pixels[i].may_explain_cluster);
+    const bool may_explain_cluster = std::ranges::any_of(pixels[i], [&](std::size_t pixel) {
+      const int cluster = clusters.cluster_of[pixel];
+      return cluster >= 0 && is_covered[static_cast<std::size_t>(cluster)];
+    });
+    if (input.is_cancelled() || (is_unlikely && !may_explain_cluster)) return;
+    done[i] = Align(input, frame, finder, proposal, pixels[i], may_explain_cluster);
   });
   if (absl::Status status = CheckNotCancelled(input); !status.ok()) return status;
   std::vector<Aligned> aligned;

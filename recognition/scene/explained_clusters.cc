@@ -31,8 +31,8 @@ class Explanation {
     if (cluster < 0) return cluster;
     const auto at = static_cast<std::size_t>(cluster);
     ++members_[at];
-    for (std::size_t p = 0; p < candidate.pixels.size(); ++p) {
-      if (!IsOpen(candidate, p) || taken_[p]) continue;
+    for (const std::size_t p : candidate.pixels) {
+      if (frame_.role[p] != PixelRole::kObject || taken_[p]) continue;
       taken_[p] = true;
       if (clusters_.cluster_of[p] == cluster) explained_[at] += 1;
     }
@@ -52,16 +52,12 @@ class Explanation {
   }
 
  private:
-  bool IsOpen(const ClusterCandidate& candidate, std::size_t pixel) const {
-    return candidate.pixels[pixel] && frame_.role[pixel] == PixelRole::kObject;
-  }
-
   int ClusterOf(const ClusterCandidate& candidate) const {
     std::vector<double> in(clusters_.count.size(), 0);
     double all = 0;
     double shared = 0;
-    for (std::size_t p = 0; p < candidate.pixels.size(); ++p) {
-      if (!IsOpen(candidate, p)) continue;
+    for (const std::size_t p : candidate.pixels) {
+      if (frame_.role[p] != PixelRole::kObject) continue;
       all += 1;
       shared += taken_[p] ? 1 : 0;
       const int cluster = clusters_.cluster_of[p];
@@ -105,20 +101,20 @@ ClusterPixels ClusterPixelsOf(const Scan& scan, const Frame& frame,
   return out;
 }
 
-std::vector<bool> PixelsOfCoveredClusters(const Frame& frame, const ClusterPixels& clusters,
-                                          const std::vector<bool>& pixels, double min_share) {
+std::vector<bool> CoveredClusters(const Frame& frame, const ClusterPixels& clusters,
+                                  const std::vector<Pixels>& proposed, double min_share) {
   std::vector<double> covered = clusters.explained;
-  for (std::size_t p = 0; p < pixels.size(); ++p) {
-    const int cluster = clusters.cluster_of[p];
-    if (cluster < 0 || !pixels[p] || frame.role[p] != PixelRole::kObject) continue;
-    covered[static_cast<std::size_t>(cluster)] += 1;
+  std::vector<bool> counted(frame.depth.size(), false);
+  for (const Pixels& pixels : proposed) {
+    for (const std::size_t p : pixels) {
+      const int cluster = clusters.cluster_of[p];
+      if (cluster < 0 || counted[p] || frame.role[p] != PixelRole::kObject) continue;
+      counted[p] = true;
+      covered[static_cast<std::size_t>(cluster)] += 1;
+    }
   }
-  std::vector<bool> out(pixels.size(), false);
-  for (std::size_t p = 0; p < out.size(); ++p) {
-    if (clusters.cluster_of[p] < 0) continue;
-    const auto cluster = static_cast<std::size_t>(clusters.cluster_of[p]);
-    out[p] = covered[cluster] >= min_share * clusters.count[cluster];
-  }
+  std::vector<bool> out(covered.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = covered[i] >= min_share * clusters.count[i];
   return out;
 }
 

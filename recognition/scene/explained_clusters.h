@@ -7,6 +7,7 @@
 
 #include "recognition/frame/frame.h"
 #include "recognition/points/scan.h"
+#include "recognition/scene/explained_pixels.h"
 
 namespace graspdb::recognition {
 
@@ -21,16 +22,16 @@ struct ClusterPixels {
 ClusterPixels ClusterPixelsOf(const Scan& scan, const Frame& frame,
                               const std::vector<const Indices*>& clusters);
 
-// For each pixel, whether it shows a cluster that is covered: `pixels` and what is explained
-// already are at least `min_share` of it. O(pixels).
-std::vector<bool> PixelsOfCoveredClusters(const Frame& frame, const ClusterPixels& clusters,
-                                          const std::vector<bool>& pixels, double min_share);
+// For each cluster, whether it is covered: the pixels of `proposed` together, and what is explained
+// already, are at least `min_share` of it. O(pixels).
+std::vector<bool> CoveredClusters(const Frame& frame, const ClusterPixels& clusters,
+                                  const std::vector<Pixels>& proposed, double min_share);
 
 // An object that may be one of a cluster's.
 struct ClusterCandidate {
-  std::vector<bool> pixels;  // that it explains
-  double confidence = 0;     // in its own points, 0 to 1
-  float log_odds = 0;        // by the image
+  Pixels pixels;          // that it explains
+  double confidence = 0;  // in its own points, 0 to 1
+  float log_odds = 0;     // by the image
 };
 
 struct ClusterParameters {

@@ -1,5 +1,6 @@
 #include "recognition/scene/explained_pixels.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "recognition/scene/image_evidence.h"
@@ -28,10 +29,11 @@ double OpenArea(const Frame& frame, int left, int top, int side) {
 
 }  // namespace
 
-std::vector<bool> PixelsOn(const Frame& frame, const ImageModel& model,
-                           const Eigen::Isometry3f& sensor_model) {
-  std::vector<bool> out(frame.depth.size(), false);
+Pixels PixelsOn(const Frame& frame, const ImageModel& model,
+                const Eigen::Isometry3f& sensor_model) {
   const ModelAspect aspect = model.AspectSeenFrom(sensor_model.inverse().translation(), 0);
+  std::vector<bool> is_on(frame.depth.size(), false);
+  Eigen::AlignedBox2i box;
   for (const std::uint16_t i : aspect.visible) {
     const Eigen::Vector3f p = sensor_model * model.surface.points[i];
     const std::ptrdiff_t middle = frame.PixelOf(p);
@@ -42,28 +44,34 @@ std::vector<bool> PixelsOn(const Frame& frame, const ImageModel& model,
       for (int x = u - kGapPx; x <= u + kGapPx; ++x) {
         if (!frame.Contains(x, y)) continue;
         const std::size_t pixel = frame.PixelAt(x, y);
-        if (std::abs(frame.depth[pixel] - p.z()) < kExplainedWithinM) out[pixel] = true;
+        if (std::abs(frame.depth[pixel] - p.z()) >= kExplainedWithinM) continue;
+        is_on[pixel] = true;
+        box.extend(Eigen::Vector2i(x, y));
       }
+    }
+  }
+  Pixels out;
+  if (box.isEmpty()) return out;
+  for (int y = box.min().y(); y <= box.max().y(); ++y) {
+    for (int x = box.min().x(); x <= box.max().x(); ++x) {
+      const std::size_t pixel = frame.PixelAt(x, y);
+      if (is_on[pixel]) out.push_back(pixel);
     }
   }
   return out;
 }
 
-void Explain(const std::vector<bool>& pixels, Frame* frame) {
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (pixels[i] && frame->role[i] == PixelRole::kObject) frame->role[i] = PixelRole::kExplained;
+void Explain(const Pixels& pixels, Frame* frame) {
+  for (const std::size_t i : pixels) {
+    if (frame->role[i] == PixelRole::kObject) frame->role[i] = PixelRole::kExplained;
   }
 }
 
-double ExplainedShare(const Frame& frame, const std::vector<bool>& pixels) {
-  double explained = 0;
-  double all = 0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (!pixels[i]) continue;
-    all += 1;
-    explained += frame.role[i] == PixelRole::kExplained ? 1 : 0;
-  }
-  return all > 0 ? explained / all : 1;
+double ExplainedShare(const Frame& frame, const Pixels& pixels) {
+  if (pixels.empty()) return 1;
+  const auto explained = std::ranges::count_if(
+      pixels, [&](std::size_t i) { return frame.role[i] == PixelRole::kExplained; });
+  return static_cast<double>(explained) / static_cast<double>(pixels.size());
 }
 
 double UnexplainedArea(const Frame& frame) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 namespace graspdb::recognition {
 namespace {
 
@@ -23,9 +25,9 @@ class ExplainedClustersTest : public ::testing::Test {
   // An object on the pixels from `begin` up to `end`.
   static ClusterCandidate On(std::size_t begin, std::size_t end, float log_odds,
                              double confidence = 0.95) {
-    ClusterCandidate out{std::vector<bool>(kPixels, false), confidence, log_odds};
-    for (std::size_t i = begin; i < end; ++i) out.pixels[i] = true;
-    return out;
+    Pixels pixels(end - begin);
+    std::iota(pixels.begin(), pixels.end(), begin);
+    return {std::move(pixels), confidence, log_odds};
   }
 
   std::vector<bool> Which(const std::vector<std::optional<ClusterCandidate>>& candidates) const {
