@@ -73,6 +73,10 @@ TEST_F(AnswersTest, ListsShowsAndDeletesObjects) {
   Teach("wedge", 180);
   EXPECT_THAT(Succeed({"objects", "list"}).out, HasSubstr("objects/wedge"));
   EXPECT_THAT(Succeed({"objects", "show", "wedge"}).out, HasSubstr("2 views"));
+  const std::string shown = Succeed({"objects", "show", "wedge", "--json"}).out;
+  EXPECT_THAT(shown, HasSubstr("\"name\":\"objects/wedge\""));
+  EXPECT_THAT(shown, HasSubstr("\"viewCount\":2"));
+  EXPECT_THAT(shown, HasSubstr("\"grasps\":[{"));
   EXPECT_THAT(Graspdb({"objects", "delete", "wedge"}), EndsWith(1));
   Succeed({"objects", "delete", "wedge", "--force"});
   EXPECT_EQ(Status().view_count(), 0);

@@ -96,6 +96,9 @@ TEST_F(FailureTest, ABadCaptureIsReportedAndTheOthersAreTaught) {
   const std::string findings = Graspdb({"doctor"}).out;
   EXPECT_THAT(findings, HasSubstr("has no views yet: they are in uploads/import-"));
   EXPECT_THAT(findings, Not(HasSubstr("delete it")));
+  const std::size_t begin = findings.find("import-");
+  const std::string upload = findings.substr(begin, findings.find_first_of(" ,;", begin) - begin);
+  EXPECT_THAT(Succeed({"uploads", "show", upload, "--json"}).out, HasSubstr("\"failedViews\":[]"));
 
   const Finished dry = Graspdb({"import", Path("set"), "--dry-run"});
   EXPECT_EQ(dry.exit_status, 1);

@@ -53,6 +53,14 @@ absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message) {
   return text;
 }
 
+absl::StatusOr<google::protobuf::Struct> ToDocument(const google::protobuf::Message& message) {
+  ASSIGN_OR_RETURN(const std::string text, ToJson(message));
+  google::protobuf::Struct out;
+  const auto status = google::protobuf::util::JsonStringToMessage(text, &out);
+  if (!status.ok()) return absl::InternalError(absl::StrCat("no JSON: ", status.ToString()));
+  return out;
+}
+
 absl::Status PrintJson(const google::protobuf::Message& message) {
   ASSIGN_OR_RETURN(std::string text, ToJson(message));
   std::printf("%s\n", text.c_str());

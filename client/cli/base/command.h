@@ -49,6 +49,9 @@ bool WriteOutput();
 // A message as one line of canonical JSON.
 absl::StatusOr<std::string> ToJson(const google::protobuf::Message& message);
 
+// The same as a document, to which a command adds what belongs to the message.
+absl::StatusOr<google::protobuf::Struct> ToDocument(const google::protobuf::Message& message);
+
 // Marks the error of a command line that could be parsed but is wrong: `graspdb` ends with 2.
 absl::Status WrongUsage(absl::Status status);
 bool HasWrongUsageMark(const absl::Status& status);

@@ -1,6 +1,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -10,6 +11,7 @@
 #include "client/cli/base/counted.h"
 #include "client/cli/objects/commands.h"
 #include "client/teaching/turntable/look_alikes_text.h"
+#include "files/base/json_object.h"
 #include "program/text/printable_text.h"
 
 namespace graspdb::client {
@@ -67,14 +69,22 @@ void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
 absl::Status ShowObject(const GlobalOptions& global, const std::string& id) {
   Client client = Connect(global);
   ASSIGN_OR_RETURN(v1::Object object, client.GetObject(ResourceName("objects", id)));
-  if (global.json) return PrintJson(object);
-  PrintObject(object);
+  if (!global.json) PrintObject(object);
   ASSIGN_OR_RETURN(std::vector<v1::StablePose> poses, client.ListStablePoses(object.name()));
+  std::vector<google::protobuf::Value> documents;
   for (const v1::StablePose& pose : poses) {
     ASSIGN_OR_RETURN(std::vector<v1::View> views, client.ListViews(pose.name()));
-    PrintStablePose(pose, views.size());
+    if (!global.json) {
+      PrintStablePose(pose, views.size());
+      continue;
+    }
+    ASSIGN_OR_RETURN(*documents.emplace_back().mutable_struct_value(), ToDocument(pose));
+    files::JsonObject(&documents.back()).Set(files::Json("viewCount", views.size()));
   }
-  return absl::OkStatus();
+  if (!global.json) return absl::OkStatus();
+  ASSIGN_OR_RETURN(google::protobuf::Struct document, ToDocument(object));
+  files::JsonObject(&document).Set(files::Json("stablePoses", documents));
+  return PrintJson(document);
 }
 
 absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bool force) {

@@ -1,10 +1,12 @@
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/cli/objects/commands.h"
+#include "files/base/json_object.h"
 
 namespace graspdb::client {
 namespace {
@@ -46,10 +48,18 @@ absl::Status ListUploads(const GlobalOptions& global) {
 absl::Status ShowUpload(const GlobalOptions& global, const std::string& id) {
   Client client = Connect(global);
   ASSIGN_OR_RETURN(const auto upload, client.GetUpload(ResourceName("uploads", id)));
+  ASSIGN_OR_RETURN(auto views, client.ListUploadViews(upload.name()));
+  std::erase_if(views, [](const v1::UploadView& view) { return !view.has_error(); });
+  if (global.json) {
+    ASSIGN_OR_RETURN(google::protobuf::Struct document, ToDocument(upload));
+    files::JsonObject(&document).List(
+        "failedViews", views, [](const v1::UploadView& view, files::JsonObject out) {
+          out.Set(files::Json("name", view.name()), files::Json("error", view.error().message()));
+        });
+    return PrintJson(document);
+  }
   RETURN_IF_ERROR(Print(global, upload));
-  ASSIGN_OR_RETURN(const auto views, client.ListUploadViews(upload.name()));
   for (const v1::UploadView& view : views) {
-    if (!view.has_error() || global.json) continue;
     std::printf("  %s: %s\n", view.name().c_str(), view.error().message().c_str());
   }
   return absl::OkStatus();
