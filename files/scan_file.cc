@@ -54,7 +54,8 @@ bool IsScanFile(const std::filesystem::path& path) {
 absl::StatusOr<ScanFile> ReadScanFile(const std::filesystem::path& path) {
   if (ExtensionOf(path) != ".png") {
     ASSIGN_OR_RETURN(const PointFile file, ReadPointFile(path));
-    return ScanFile{.scan = CloudMessage(file), .sensor_pose = file.sensor_pose};
+    return ScanFile{.scan = CloudMessage(file.points, file.image_width()),
+                    .sensor_pose = file.sensor_pose};
   }
   ASSIGN_OR_RETURN(const DepthPngCamera camera,
                    ReadIntrinsics(path.parent_path() / kIntrinsicsFile));

@@ -38,10 +38,6 @@ v1::PointCloud CloudMessage(const recognition::Points& points, int width) {
   return out;
 }
 
-v1::PointCloud CloudMessage(const PointFile& file) {
-  return CloudMessage(file.points, file.image_width());
-}
-
 absl::StatusOr<recognition::Points> PointsFromMessage(const v1::PointCloud& cloud) {
   if (cloud.point_stride() != kStride || cloud.fields_size() != 3 ||
       cloud.data().size() % kStride != 0) {

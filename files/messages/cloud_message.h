@@ -4,15 +4,14 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "files/points/point_file.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "graspdb/v1/geometry.pb.h"
+#include "recognition/base/types.h"
 
 namespace graspdb::files {
 
 // Points as packed x, y, z floats. `width`: columns of the image, row by row; 0 if not an image.
 v1::PointCloud CloudMessage(const recognition::Points& points, int width);
-v1::PointCloud CloudMessage(const PointFile& file);
 
 // The points of a cloud from a server (x, y, z floats). INVALID_ARGUMENT for another
 // layout.

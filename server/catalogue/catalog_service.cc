@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/status_macros.h"
+#include "files/messages/cloud_message.h"
 #include "server/base/errors.h"
 #include "server/calls/handle.h"
 #include "server/catalogue/grasp_outcomes.h"
@@ -13,7 +14,6 @@
 #include "server/requests/convert.h"
 #include "server/requests/record_checks.h"
 #include "server/requests/respond.h"
-#include "server/requests/scan_from_proto.h"
 #include "storage/records/resource_name.h"
 
 namespace graspdb::server {
@@ -183,7 +183,7 @@ grpc::Status CatalogService::GetView(grpc::ServerContext* context,
     if (request->detail() != v1::VIEW_DETAIL_FULL) return absl::OkStatus();
     ASSIGN_OR_RETURN(std::string packed, context_.catalogue.GetPackedCloud(request->name()));
     ASSIGN_OR_RETURN(recognition::Points points, PointsFromPacked(packed));
-    *response->mutable_cloud() = PointsToProto(points);
+    *response->mutable_cloud() = files::CloudMessage(points, 0);
     return absl::OkStatus();
   });
 }

@@ -5,7 +5,6 @@
 
 #include "absl/status/status.h"
 #include "graspdb/v1/catalog.pb.h"
-#include "graspdb/v1/geometry.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"
 #include "recognition/points/scan.h"
 
@@ -20,8 +19,5 @@ absl::Status ReadScan(const v1::RecognizeRequest& request, std::size_t max_point
 
 // The same for the capture of an upload; the fields are within "view".
 absl::Status ReadScan(const v1::View& view, std::size_t max_points, recognition::Scan* scan);
-
-// A cloud of packed x, y, z floats, as in the server's responses.
-v1::PointCloud PointsToProto(const recognition::Points& points);
 
 }  // namespace graspdb::server

@@ -15,8 +15,8 @@
 #include "absl/status/status.h"
 #include "absl/time/time.h"
 #include "client/sdk/client.h"
+#include "files/messages/cloud_message.h"
 #include "recognition/base/types.h"
-#include "server/requests/scan_from_proto.h"
 
 namespace graspdb::bench {
 namespace {
@@ -36,7 +36,7 @@ client::Client Connect(const std::string& server) {
 v1::RecognizeRequest CloudOf(std::size_t bytes) {
   const recognition::Points points(bytes / sizeof(Eigen::Vector3f), {0.1F, 0.1F, 0.6F});
   v1::RecognizeRequest out;
-  *out.mutable_cloud() = server::PointsToProto(points);
+  *out.mutable_cloud() = files::CloudMessage(points, 0);
   out.set_segmented(true);
   return out;
 }

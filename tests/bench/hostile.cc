@@ -12,10 +12,10 @@
 #include <thread>
 #include <vector>
 
+#include "files/messages/cloud_message.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "recognition/base/types.h"
-#include "server/requests/scan_from_proto.h"
 
 namespace graspdb::bench {
 namespace {
@@ -67,7 +67,7 @@ struct Case {
 
 v1::RecognizeRequest Cloud(const Points& points, bool segmented, double region_m = 0) {
   v1::RecognizeRequest out;
-  *out.mutable_cloud() = server::PointsToProto(points);
+  *out.mutable_cloud() = files::CloudMessage(points, 0);
   out.set_segmented(segmented);
   if (region_m > 0) {
     out.mutable_sensor_pose()->mutable_orientation()->set_w(1);

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "client/sdk/client.h"
-#include "server/requests/scan_from_proto.h"
+#include "files/messages/cloud_message.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 
@@ -31,7 +31,7 @@ class FloodTest : public ProgramsTest {
   }
   static v1::RecognizeRequest CloudOf(std::size_t points) {
     v1::RecognizeRequest out;
-    *out.mutable_cloud() = server::PointsToProto(recognition::Points(points, {0.1F, 0.1F, 0.6F}));
+    *out.mutable_cloud() = files::CloudMessage(recognition::Points(points, {0.1F, 0.1F, 0.6F}), 0);
     out.set_segmented(true);
     return out;
   }

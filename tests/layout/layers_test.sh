@@ -44,6 +44,7 @@ forbid '(storage|server|files|graspdb|google|grpc|grpcpp)/|\S+\.pb\.h' recogniti
 forbid 'recognition/' storage
 forbid 'program/(?!base/uuid\.h)' storage
 forbid 'storage/(?!base/(crc32c|little_endian|folder_sync)\.h)' files
+forbid 'files/(?!messages/)' server
 forbid 'lab/' recognition program storage server files rendering pictures client console
 # Its macros have no prefix; users of the library may have their own of these names.
 forbid 'base/' client/sdk/client.h

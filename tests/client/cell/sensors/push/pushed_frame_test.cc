@@ -118,17 +118,20 @@ TEST(PushedFrame, BadFramesAreRefusedWithTheField) {
       {"cloud.data", [](auto& r) { r.mutable_cloud()->clear_data(); }, true},
       {"cloud.data", [](auto& r) { r.mutable_cloud()->mutable_data()->push_back(0); }, true},
       {"point_stride", [](auto& r) { r.mutable_cloud()->set_point_stride(0); }, true},
-      {"point_stride", [](auto& r) { r.mutable_cloud()->set_point_stride(4); }, true},
+      {"12 to 4096", [](auto& r) { r.mutable_cloud()->set_point_stride(4); }, true},
       {"point_stride", [](auto& r) { r.mutable_cloud()->set_point_stride(-12); }, true},
-      {"outside", [](auto& r) { r.mutable_cloud()->mutable_fields(2)->set_offset(9); }, true},
-      {"outside", [](auto& r) { r.mutable_cloud()->mutable_fields(2)->set_offset(-1); }, true},
-      {"outside",
+      {"cloud.fields[2].offset is",
+       [](auto& r) { r.mutable_cloud()->mutable_fields(2)->set_offset(9); }, true},
+      {"cloud.fields[2].offset is",
+       [](auto& r) { r.mutable_cloud()->mutable_fields(2)->set_offset(-1); }, true},
+      {"cloud.fields[0].offset is",
        [](auto& r) {
          r.mutable_cloud()->mutable_fields(0)->set_offset(std::numeric_limits<int>::max());
        },
        true},
-      {"no \"y\"", [](auto& r) { r.mutable_cloud()->mutable_fields(1)->set_name("v"); }, true},
-      {"float",
+      {"cloud.fields have no \"y\"",
+       [](auto& r) { r.mutable_cloud()->mutable_fields(1)->set_name("v"); }, true},
+      {"cloud.fields[1].type must be FLOAT32",
        [](auto& r) {
          r.mutable_cloud()->mutable_fields(1)->set_type(
              v1::PackedElementField::NUMERIC_TYPE_UNSPECIFIED);
