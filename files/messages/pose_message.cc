@@ -14,39 +14,53 @@ Eigen::Quaterniond Rotation(const v1::Pose& message) {
   return {q.w(), q.x(), q.y(), q.z()};
 }
 
-Eigen::Vector3d VectorOf(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
-
 }  // namespace
+
+v1::Vector3 ToMessage(const Eigen::Vector3d& vector) {
+  v1::Vector3 message;
+  message.set_x(vector.x());
+  message.set_y(vector.y());
+  message.set_z(vector.z());
+  return message;
+}
+
+Eigen::Vector3d FromMessage(const v1::Vector3& message) {
+  return {message.x(), message.y(), message.z()};
+}
+
+v1::Quaternion ToMessage(const Eigen::Quaterniond& rotation) {
+  v1::Quaternion message;
+  message.set_x(rotation.x());
+  message.set_y(rotation.y());
+  message.set_z(rotation.z());
+  message.set_w(rotation.w());
+  return message;
+}
 
 v1::Pose ToMessage(const recognition::Pose& pose) {
   Eigen::Quaterniond q(pose.linear());
   q.normalize();
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   v1::Pose message;
-  message.mutable_position()->set_x(pose.translation().x());
-  message.mutable_position()->set_y(pose.translation().y());
-  message.mutable_position()->set_z(pose.translation().z());
-  message.mutable_orientation()->set_x(q.x());
-  message.mutable_orientation()->set_y(q.y());
-  message.mutable_orientation()->set_z(q.z());
-  message.mutable_orientation()->set_w(q.w());
+  *message.mutable_position() = ToMessage(pose.translation());
+  *message.mutable_orientation() = ToMessage(q);
   return message;
 }
 
 recognition::Pose FromMessage(const v1::Pose& message) {
   recognition::Pose pose = recognition::Pose::Identity();
   pose.linear() = Rotation(message).normalized().toRotationMatrix();
-  pose.translation() = VectorOf(message.position());
+  pose.translation() = FromMessage(message.position());
   return pose;
 }
 
 recognition::Box FromMessage(const v1::AxisAlignedBox& message) {
-  return {VectorOf(message.min()), VectorOf(message.max())};
+  return {FromMessage(message.min()), FromMessage(message.max())};
 }
 
 absl::Status CheckPose(const v1::Pose& message, std::string_view field) {
   const absl::string_view name(field.data(), field.size());
-  if (!VectorOf(message.position()).allFinite() || !Rotation(message).coeffs().allFinite()) {
+  if (!FromMessage(message.position()).allFinite() || !Rotation(message).coeffs().allFinite()) {
     return absl::InvalidArgumentError(absl::StrCat(
         name, " has a number that is not finite; leave the pose out if it is unknown"));
   }

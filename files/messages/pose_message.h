@@ -1,4 +1,4 @@
-// Conversion of poses and boxes between protobuf messages and the algorithms.
+// Conversion of vectors, poses and boxes from and to messages of the contract.
 #pragma once
 
 #include <string_view>
@@ -8,6 +8,10 @@
 #include "recognition/base/types.h"
 
 namespace graspdb::files {
+
+v1::Vector3 ToMessage(const Eigen::Vector3d& vector);
+v1::Quaternion ToMessage(const Eigen::Quaterniond& rotation);
+Eigen::Vector3d FromMessage(const v1::Vector3& message);
 
 // T_a_b, metres; the quaternion is normalised and has w >= 0.
 v1::Pose ToMessage(const recognition::Pose& pose);

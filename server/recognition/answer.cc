@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "files/messages/pose_message.h"
 #include "server/requests/convert.h"
 
 namespace graspdb::server {
@@ -115,7 +116,7 @@ void AddDetection(const recognition::Detection& detection,
   out->set_score(detection.score);
   out->set_touching(detection.touching);
   out->set_point_count(static_cast<int>(detection.point_count));
-  *out->mutable_centroid() = VectorToProto(detection.centroid);
+  *out->mutable_centroid() = files::ToMessage(detection.centroid);
   for (const recognition::Candidate& c : detection.candidates) {
     v1::Candidate* candidate = out->add_candidates();
     candidate->set_view(c.view->name);

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
+#include "files/messages/pose_message.h"
 #include "recognition/base/units.h"
 #include "server/base/errors.h"
 #include "server/requests/request_limits.h"
@@ -20,8 +21,6 @@ constexpr double kMaxPosition = 1000;  // m
 constexpr double kNormTolerance = 1e-3;
 // Of a quaternion that was normalised in double precision. Doubled, nothing changes.
 constexpr double kNormRounding = 1e-14;
-
-Eigen::Vector3d VectorFromProto(const v1::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
 // Copies a field that is set, if it is in [lo, hi].
 template <typename T, typename U>
@@ -75,7 +74,7 @@ double DegreesOf(double rad) { return std::round(rad * kDegreesPerRadian * 1e9) 
 }  // namespace
 
 absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::string_view path) {
-  const Eigen::Vector3d position = VectorFromProto(pose.position());
+  const Eigen::Vector3d position = files::FromMessage(pose.position());
   if (!position.allFinite() || position.norm() > kMaxPosition) {
     return InvalidField(FieldPath(path, "position"),
                         "must be finite and within 1000 m of the origin");
@@ -87,21 +86,15 @@ absl::StatusOr<recognition::Pose> PoseFromProto(const v1::Pose& pose, std::strin
     return InvalidField(FieldPath(path, "orientation"),
                         absl::StrCat("has norm ", norm, "; a rotation is a unit quaternion"));
   }
-  recognition::Pose out = recognition::Pose::Identity();
-  out.linear() = rotation.normalized().toRotationMatrix();
-  out.translation() = position;
-  return out;
+  return files::FromMessage(pose);
 }
 
 v1::Pose PoseToProto(const recognition::Pose& pose) {
   v1::Pose out;
-  *out.mutable_position() = VectorToProto(pose.translation());
+  *out.mutable_position() = files::ToMessage(pose.translation());
   Eigen::Quaterniond q(pose.linear());
   if (q.w() < 0) q.coeffs() = -q.coeffs();  // unique representation
-  out.mutable_orientation()->set_x(q.x());
-  out.mutable_orientation()->set_y(q.y());
-  out.mutable_orientation()->set_z(q.z());
-  out.mutable_orientation()->set_w(q.w());
+  *out.mutable_orientation() = files::ToMessage(q);
   return out;
 }
 
@@ -132,21 +125,13 @@ v1::Pose StoredPose(const v1::Pose& given, const recognition::Pose& parsed) {
 
 absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box,
                                               std::string_view path) {
-  recognition::Box out{VectorFromProto(box.min()), VectorFromProto(box.max())};
+  const recognition::Box out = files::FromMessage(box);
   if (!out.min.allFinite() || !out.max.allFinite()) {
     return InvalidField(path, "must have finite corners");
   }
   if ((out.min.array() >= out.max.array()).any()) {
     return InvalidField(path, "is empty: min must be smaller than max in x, y and z");
   }
-  return out;
-}
-
-v1::Vector3 VectorToProto(const Eigen::Vector3d& v) {
-  v1::Vector3 out;
-  out.set_x(v.x());
-  out.set_y(v.y());
-  out.set_z(v.z());
   return out;
 }
 

@@ -25,8 +25,6 @@ v1::Pose StoredPose(const v1::Pose& given, const recognition::Pose& parsed);
 // Finite, min below max in every component.
 absl::StatusOr<recognition::Box> BoxFromProto(const v1::AxisAlignedBox& box, std::string_view path);
 
-v1::Vector3 VectorToProto(const Eigen::Vector3d& v);
-
 // The grasp as taught; outcomes of picks are no part of the message.
 v1::Grasp GraspToProto(const recognition::TaughtGrasp& grasp);
 

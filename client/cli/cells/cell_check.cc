@@ -71,13 +71,8 @@ absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
     words >> frame;
     for (double& value : p) words >> value;
     v1::Pose pose;
-    pose.mutable_position()->set_x(p[0]);
-    pose.mutable_position()->set_y(p[1]);
-    pose.mutable_position()->set_z(p[2]);
-    pose.mutable_orientation()->set_x(p[3]);
-    pose.mutable_orientation()->set_y(p[4]);
-    pose.mutable_orientation()->set_z(p[5]);
-    pose.mutable_orientation()->set_w(p[6]);
+    *pose.mutable_position() = files::ToMessage(Eigen::Vector3d(p));
+    *pose.mutable_orientation() = files::ToMessage(Eigen::Quaterniond(p + 3));
     const std::string where = absl::StrCat(path, ", line ", number);
     if (words.fail()) {
       return absl::InvalidArgumentError(

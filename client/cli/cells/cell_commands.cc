@@ -13,6 +13,7 @@
 #include "client/cli/cells/cell_text.h"
 #include "client/cli/cells/cell_units.h"
 #include "client/cli/cells/commands.h"
+#include "files/messages/pose_message.h"
 #include "program/text/json_keys.h"
 #include "program/text/printable_text.h"
 #include "program/text/text_encoding.h"
@@ -43,24 +44,14 @@ Example:
   graspdb cells set press-3 --sensor-pose 0,-0.5,0.6,-0.891,0,0,0.454 \
       --region -0.3,-0.3,-0.02,0.3,0.3,0.4)";
 
-void SetVector(const double* values, v1::Vector3* out) {
-  out->set_x(values[0]);
-  out->set_y(values[1]);
-  out->set_z(values[2]);
-}
-
 void SetPose(const std::vector<double>& values, v1::Pose* out) {
-  SetVector(values.data(), out->mutable_position());
-  v1::Quaternion* q = out->mutable_orientation();
-  q->set_x(values[3]);
-  q->set_y(values[4]);
-  q->set_z(values[5]);
-  q->set_w(values[6]);
+  *out->mutable_position() = files::ToMessage(Eigen::Vector3d(values.data()));
+  *out->mutable_orientation() = files::ToMessage(Eigen::Quaterniond(values.data() + 3));
 }
 
 void SetBox(const std::vector<double>& values, v1::AxisAlignedBox* out) {
-  SetVector(values.data(), out->mutable_min());
-  SetVector(values.data() + 3, out->mutable_max());
+  *out->mutable_min() = files::ToMessage(Eigen::Vector3d(values.data()));
+  *out->mutable_max() = files::ToMessage(Eigen::Vector3d(values.data() + 3));
 }
 
 absl::Status ReadCell(const std::string& path, v1::Cell* cell) {
