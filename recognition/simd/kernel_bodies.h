@@ -176,7 +176,7 @@ inline void Spread(const BallRow* rows, std::size_t row_count, const float* at, 
     is_inside &= (at >= All(row.min[axis])) & (at <= All(row.max[axis]));
     std::memcpy(out[axis] + u, &at, left * sizeof(at[0]));
   }
-  const Flags flags = __builtin_convertvector(-is_inside, Flags);
+  const Flags flags = FlagsOf(is_inside);
   std::memcpy(inside + u, &flags, left);
 }
 

@@ -52,6 +52,12 @@ inline bool Any(const Ints& mask) {
   return ((parts[0] | parts[1]) | (parts[2] | parts[3])) != 0;
 }
 
+// 1 where the mask is set. In two steps: at once gcc moves byte by byte.
+inline Flags FlagsOf(const Ints& mask) {
+  using Halves [[gnu::vector_size(16)]] = std::int16_t;
+  return __builtin_convertvector(__builtin_convertvector(-mask, Halves), Flags);
+}
+
 // The larger of a value and zero.
 inline Floats Positive(const Floats& v) { return Where(v > All(0), v); }
 

@@ -151,7 +151,7 @@ inline void Face(const OrientedCoordinates& surface, const Rigid& sensor_surface
     std::memcpy(x + i, &p.x, sizeof(p.x));
     std::memcpy(y + i, &p.y, sizeof(p.y));
     std::memcpy(z + i, &p.z, sizeof(p.z));
-    const Flags flags = __builtin_convertvector(-faces, Flags);
+    const Flags flags = FlagsOf(faces);
     std::memcpy(facing + i, &flags, sizeof(flags));
   }
 }
