@@ -26,9 +26,6 @@ constexpr std::size_t kPortion = 2048;
 
 constexpr std::size_t kRedescribeBatch = 256;
 
-// Nanoseconds in which a staged view is read that has its descriptor.
-constexpr std::size_t kReadStagedNs = 5'000;
-
 // A view that cannot be described with these parameters.
 absl::Status CannotDescribe(const std::string& name, const absl::Status& status) {
   return {status.code(),
@@ -188,9 +185,8 @@ absl::Status DescribeStaged(storage::Catalogue& catalogue, const storage::Upload
                             const recognition::DescriptorParameters& parameters,
                             const recognition::IsCancelled& is_cancelled) {
   std::vector<std::string> undescribed;
-  recognition::CancellationPoll poll(is_cancelled);
   const auto note = [&](const storage::ViewRecord& view) -> absl::Status {
-    if (poll.After(kReadStagedNs)) return absl::CancelledError(std::string(kCommitCancelled));
+    if (is_cancelled && is_cancelled()) return absl::CancelledError(std::string(kCommitCancelled));
     if (FindDescriptor(view, parameters) == nullptr && !IsUndescribable(view, parameters)) {
       undescribed.push_back(view.name());
     }

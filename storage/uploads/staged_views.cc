@@ -42,15 +42,10 @@ absl::StatusOr<std::string> Uploads::DigestOf(const UploadRecord& upload,
 
 absl::Status Uploads::ForEachView(
     const UploadRecord& upload, const std::function<absl::Status(const ViewRecord&)>& visit) const {
-  return database_.Scan(
-      Family::kStagedViews, StagedKey(upload, ""), "",
-      [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-        StagedViewRecord staged;
-        if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
-          return DamagedRecord(key);
-        }
-        if (!staged.has_view()) return true;
-        RETURN_IF_ERROR(visit(staged.view()));
+  return VisitStaged(
+      database_, upload, "",
+      [&](const std::string& /*name*/, const StagedViewRecord& staged) -> absl::StatusOr<bool> {
+        RETURN_IF_ERROR(staged.has_view() ? visit(staged.view()) : absl::OkStatus());
         return true;
       });
 }
@@ -58,16 +53,11 @@ absl::Status Uploads::ForEachView(
 absl::Status Uploads::CheckNoErrors(const UploadRecord& upload) {
   const auto counts = CountsOf(upload);
   if (!counts.ok() || counts->errors == 0) return counts.status();
-  const std::string prefix = StagedKey(upload, "");
-  return database_.Scan(
-      Family::kStagedViews, prefix, "",
-      [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-        StagedViewRecord staged;
-        if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
-          return DamagedRecord(key);
-        }
+  return VisitStaged(
+      database_, upload, "",
+      [&](const std::string& name, const StagedViewRecord& staged) -> absl::StatusOr<bool> {
         if (!staged.has_error()) return true;
-        return FailedView(upload, key.substr(prefix.size()), staged.error().message());
+        return FailedView(upload, name, staged.error().message());
       });
 }
 

@@ -13,9 +13,6 @@
 namespace graspdb::storage {
 namespace {
 
-// About a millisecond. Doubled, a commit that is cancelled holds other writers for two.
-constexpr std::int64_t kViewsPerPoll = 100;
-
 class Commit {
  public:
   Commit(const Database& database, bool skip_failed, const std::function<bool()>& is_cancelled,
@@ -27,19 +24,15 @@ class Commit {
         batch_(batch) {}
 
   absl::Status Run() {
-    const std::string prefix = StagedKey(upload_, "");
-    absl::Status scanned = database_.Scan(
-        Family::kStagedViews, prefix, "",
-        [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-          if (visited_++ % kViewsPerPoll == 0) {
-            RETURN_IF_ERROR(CheckNotCancelled());
-          }
-          const std::string name(key.substr(prefix.size()));
-          RETURN_IF_ERROR(Add(name, value));
-          RETURN_IF_ERROR(database_.Delete(Family::kStagedViews, key, batch_.rocks()));
-          return true;
-        });
-    if (!scanned.ok()) return scanned;
+    const auto add = [&](const std::string& name,
+                         StagedViewRecord& staged) -> absl::StatusOr<bool> {
+      RETURN_IF_ERROR(CheckNotCancelled());
+      RETURN_IF_ERROR(Add(name, staged));
+      RETURN_IF_ERROR(
+          database_.Delete(Family::kStagedViews, StagedKey(upload_, name), batch_.rocks()));
+      return true;
+    };
+    RETURN_IF_ERROR(VisitStaged(database_, upload_, "", add));
     RETURN_IF_ERROR(CheckNotCancelled());  // for the last time
     upload_.set_commit_revision(batch_.meta().revision());
     *upload_.mutable_commit_time() = batch_.time();
@@ -54,11 +47,7 @@ class Commit {
                                 " was not committed, its views are safe; commit it again");
   }
 
-  absl::Status Add(const std::string& name, std::string_view value) {
-    StagedViewRecord staged;
-    if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
-      return DamagedRecord(StagedKey(upload_, name));
-    }
+  absl::Status Add(const std::string& name, StagedViewRecord& staged) {
     if (staged.has_error()) return Fail(name, staged.error().message());
     ViewRecord& view = *staged.mutable_view();
     ASSIGN_OR_RETURN(const auto parent, ParentOf(name));
@@ -139,7 +128,6 @@ class Commit {
   const std::function<bool()>& is_cancelled_;
   UploadRecord& upload_;
   ChangeBatch& batch_;
-  std::int64_t visited_ = 0;
   std::map<std::string, Parent> parents_;
 };
 
@@ -147,6 +135,20 @@ class Commit {
 
 std::string StagedKey(const UploadRecord& upload, std::string_view view_name) {
   return upload.staging_prefix() + "/" + std::string(view_name);
+}
+
+absl::Status VisitStaged(const Database& database, const UploadRecord& upload,
+                         std::string_view after_name, StagedVisitor visit) {
+  const std::string prefix = StagedKey(upload, "");
+  const std::string after = after_name.empty() ? "" : StagedKey(upload, after_name);
+  return database.Scan(Family::kStagedViews, prefix, after,
+                       [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
+                         StagedViewRecord staged;
+                         if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
+                           return DamagedRecord(key);
+                         }
+                         return visit(std::string(key.substr(prefix.size())), staged);
+                       });
 }
 
 absl::Status FailedView(const UploadRecord& upload, std::string_view view_name,

@@ -84,26 +84,18 @@ absl::StatusOr<StagedCounts> Uploads::CountsOf(const UploadRecord& upload) {
 absl::StatusOr<Page<StagedItem>> Uploads::ListItems(const UploadRecord& upload,
                                                     std::size_t page_size,
                                                     std::string_view after_name) const {
-  const std::string prefix = StagedKey(upload, "");
-  const std::string after = after_name.empty() ? "" : StagedKey(upload, after_name);
-  RETURN_IF_ERROR(CheckPage(page_size, prefix, after));
+  RETURN_IF_ERROR(CheckPage(page_size, "", after_name));
   Page<StagedItem> page;
   std::size_t bytes = 0;
-  const absl::Status scanned = database_.Scan(
-      Family::kStagedViews, prefix, after,
-      [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-        StagedViewRecord staged;
-        if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
-          return DamagedRecord(key);
-        }
-        bytes += key.size() + staged.error().message().size();
-        if (EndsPage(page_size, bytes, &page)) return false;
-        page.records.push_back({std::string(key.substr(prefix.size())),
-                                absl::Status(static_cast<absl::StatusCode>(staged.error().code()),
-                                             staged.error().message())});
-        return true;
-      });
-  if (!scanned.ok()) return scanned;
+  const auto add = [&](const std::string& name,
+                       const StagedViewRecord& staged) -> absl::StatusOr<bool> {
+    bytes += name.size() + staged.error().message().size();
+    if (EndsPage(page_size, bytes, &page)) return false;
+    page.records.push_back({name, absl::Status(static_cast<absl::StatusCode>(staged.error().code()),
+                                               staged.error().message())});
+    return true;
+  };
+  RETURN_IF_ERROR(VisitStaged(database_, upload, after_name, add));
   return page;
 }
 
@@ -114,21 +106,14 @@ absl::StatusOr<Uploads::OpenUpload> Uploads::OpenOf(std::string_view name) {
   if (record.has_commit_time()) return CommittedUpload(name);
   auto open = std::make_shared<Open>();
   open->record = std::move(record);
-  const std::string prefix = StagedKey(open->record, "");
   absl::MutexLock names_lock(&open->names);
-  const absl::Status scanned =
-      database_.Scan(Family::kStagedViews, prefix, "",
-                     [&](std::string_view key, std::string_view value) -> absl::StatusOr<bool> {
-                       StagedViewRecord staged;
-                       if (!staged.ParseFromArray(value.data(), static_cast<int>(value.size()))) {
-                         return DamagedRecord(key);
-                       }
-                       ++(staged.has_error() ? open->stored.errors : open->stored.views);
-                       open->views[std::string(key.substr(prefix.size()))] = {
-                           staged.view().content_digest(), true};
-                       return true;
-                     });
-  if (!scanned.ok()) return scanned;
+  const auto add = [&](const std::string& view_name,
+                       const StagedViewRecord& staged) -> absl::StatusOr<bool> {
+    ++(staged.has_error() ? open->stored.errors : open->stored.views);
+    open->views[view_name] = {staged.view().content_digest(), true};
+    return true;
+  };
+  RETURN_IF_ERROR(VisitStaged(database_, open->record, "", add));
   staged_views_ += open->views.size();
   return open_.emplace(name, std::move(open)).first->second;
 }
