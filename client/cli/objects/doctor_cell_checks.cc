@@ -10,7 +10,7 @@ namespace {
 // Half the angle that a wide depth camera sees, rad (Azure Kinect, wide: 60 degrees). Smaller,
 // regions at the edge of its image are taken for invisible.
 constexpr double kMaxViewAngle = 1.05;
-// Points of the region along each side. Doubled, eight times as many are tried.
+// Points of the region along each side.
 constexpr int kPointsPerSide = 9;
 // No score is higher.
 constexpr double kHighestScore = 1;
@@ -39,18 +39,16 @@ void CheckCameraView(const v1::Cell& cell, Findings* out) {
   if (!cell.has_sensor_pose() || !cell.has_region_of_interest()) return;
   const recognition::Pose world_sensor = files::FromMessage(cell.sensor_pose());
   if (IsSeen(cell.region_of_interest(), world_sensor.inverse())) return;
-  AddFinding(Severity::kError, cell.name(),
-             "its camera does not see its region, so nothing is recognised; correct the region, or "
-             "the sensor pose with: graspdb cells level",
-             out);
+  AddError(out, cell.name(),
+           "its camera does not see its region, so nothing is recognised; correct the region, or "
+           "the sensor pose with: graspdb cells level");
 }
 
 void CheckMinScore(const v1::Cell& cell, Findings* out) {
   if (!cell.pipeline().has_min_score() || cell.pipeline().min_score() < kHighestScore) return;
-  AddFinding(Severity::kError, cell.name(),
-             "its minimum score is 1, which no detection reaches, so nothing is recognised; lower "
-             "it: graspdb cells set",
-             out);
+  AddError(out, cell.name(),
+           "its minimum score is 1, which no detection reaches, so nothing is recognised; lower "
+           "it: graspdb cells set");
 }
 
 }  // namespace graspdb::client

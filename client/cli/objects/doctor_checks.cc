@@ -16,7 +16,7 @@ namespace graspdb::client {
 namespace {
 
 // Views all around a stable pose; with steps of 60 degrees some azimuths are 30 degrees from the
-// nearest view, which the search still reaches. Doubled, small catalogues get false warnings.
+// nearest view, which the search still reaches.
 constexpr std::size_t kEnoughViews = 6;
 // An upload of this age is not in progress any more.
 constexpr absl::Duration kForgotten = absl::Hours(24);
@@ -25,8 +25,7 @@ constexpr double kMaxRegionM = 5;
 // Cameras, robots and workspaces of a cell are nearer and smaller; larger numbers are mostly
 // millimetres.
 constexpr double kMaxCellM = 20;
-// Grasps are nearer to their object. Doubled, lengths of 2 to 4 mm that were stored as metres are
-// not found.
+// Grasps are nearer to their object.
 constexpr double kDoubtfulGraspM = 2;
 // Minimum scores are printed with two digits.
 constexpr double kSameScore = 0.005;
@@ -52,10 +51,8 @@ double DistanceOf(const v1::Pose& pose) {
 void CheckDistance(const v1::Cell& cell, const v1::Pose& pose, const std::string& what,
                    Findings* out) {
   if (DistanceOf(pose) <= kMaxCellM) return;
-  AddFinding(Severity::kError, cell.name(),
-             absl::StrCat("its ", what, " is ", DistanceOf(pose),
-                          " m away; positions are in metres, not millimetres"),
-             out);
+  AddError(out, cell.name(), "its ", what, " is ", DistanceOf(pose),
+           " m away; positions are in metres, not millimetres");
 }
 
 void CheckPlaces(const v1::Cell& cell, Findings* out) {
@@ -63,26 +60,21 @@ void CheckPlaces(const v1::Cell& cell, Findings* out) {
   CheckDistance(cell, cell.flange_sensor_pose(), "camera on the flange", out);
   CheckDistance(cell, cell.robot_base_pose(), "robot", out);
   if (cell.has_sensor_pose() && cell.sensor_pose().position().z() <= 0) {
-    AddFinding(Severity::kWarning, cell.name(),
+    AddWarning(out, cell.name(),
                "its camera is not above the table; correct the sensor pose with: graspdb cells "
-               "level",
-               out);
+               "level");
   }
   if (LongestSide(cell.workspace()) > kMaxCellM) {
-    AddFinding(Severity::kError, cell.name(),
-               absl::StrCat("its workspace is ", LongestSide(cell.workspace()),
-                            " m long; workspaces are in metres, not millimetres"),
-               out);
+    AddError(out, cell.name(), "its workspace is ", LongestSide(cell.workspace()),
+             " m long; workspaces are in metres, not millimetres");
   }
 }
 
 void CheckGraspSize(const v1::StablePose& pose, const v1::Grasp& grasp, Findings* out) {
   const double longest = files::LongestLengthOf(grasp);
   if (longest <= kDoubtfulGraspM) return;
-  AddFinding(Severity::kError, pose.name(),
-             absl::StrCat("its grasp ", grasp.grasp_id(), " has a length of ", longest,
-                          " m; lengths are in metres, not millimetres"),
-             out);
+  AddError(out, pose.name(), "its grasp ", grasp.grasp_id(), " has a length of ", longest,
+           " m; lengths are in metres, not millimetres");
 }
 
 absl::Time CreateTimeOf(const v1::Upload& upload) {
@@ -107,76 +99,60 @@ bool Overlap(const v1::AxisAlignedBox& a, const v1::AxisAlignedBox& b) {
 
 void CheckServer(const v1::CatalogStatus& status, std::string_view client_version, Findings* out) {
   if (status.server_version() != client_version) {
-    AddFinding(Severity::kWarning, "server",
-               absl::StrCat("has version ", status.server_version(), ", this program ",
-                            std::string(client_version), "; install the same version on both"),
-               out);
+    AddWarning(out, "server", "has version ", status.server_version(), ", this program ",
+               std::string(client_version), "; install the same version on both");
   }
   if (status.left_out_record_count() > 0) {
-    AddFinding(
-        Severity::kError, "server",
-        absl::StrCat(Counted(status.left_out_record_count(), "record"),
-                     " cannot be used, named in its log (event=record_left_out): teach the views "
-                     "again or delete them"),
-        out);
+    AddError(out, "server", Counted(status.left_out_record_count(), "record"),
+             " cannot be used, named in its log (event=record_left_out): teach the views "
+             "again or delete them");
   }
   if (status.memory().refused_request_count() > 0) {
-    AddFinding(
-        Severity::kWarning, "server",
-        absl::StrCat("rejected ", Counted(status.memory().refused_request_count(), "request"),
-                     " for lack of memory since its start; raise --memory-mib, or send depth "
-                     "images in place of clouds"),
-        out);
+    AddWarning(out, "server", "rejected ",
+               Counted(status.memory().refused_request_count(), "request"),
+               " for lack of memory since its start; raise --memory-mib, or send depth "
+               "images in place of clouds");
   }
   const std::string advice = CacheAdvice(status.model_cache());
-  if (!advice.empty()) AddFinding(Severity::kAdvice, "server", advice, out);
+  if (!advice.empty()) AddAdvice(out, "server", advice);
   if (status.view_count() == 0) {
-    AddFinding(Severity::kWarning, "server",
-               "the catalogue is empty; teach it with: graspdb import SET", out);
+    AddWarning(out, "server", "the catalogue is empty; teach it with: graspdb import SET");
   }
 }
 
 void CheckObject(const v1::Object& object, const std::vector<v1::StablePose>& stable_poses,
                  Findings* out) {
   if (!stable_poses.empty()) return;
-  AddFinding(Severity::kWarning, object.name(),
-             "has no stable pose, so it is never recognised; teach it or delete it", out);
+  AddWarning(out, object.name(),
+             "has no stable pose, so it is never recognised; teach it or delete it");
 }
 
 void CheckStablePose(const v1::StablePose& stable_pose, std::size_t views,
                      const OpenUpload& open_upload, Findings* out) {
   if (views == 0 && open_upload.has_views) {
-    AddFinding(
-        Severity::kAdvice, stable_pose.name(),
-        absl::StrCat("has no views yet: they are in ", open_upload.name,
-                     ", which is open; run its import again, or use what was sent: graspdb uploads "
-                     "commit ",
-                     open_upload.name),
-        out);
+    AddAdvice(out, stable_pose.name(), "has no views yet: they are in ", open_upload.name,
+              ", which is open; run its import again, or use what was sent: graspdb uploads "
+              "commit ",
+              open_upload.name);
   } else if (views == 0 && !open_upload.name.empty()) {
-    AddFinding(Severity::kAdvice, stable_pose.name(),
-               absl::StrCat("has no views yet, while ", open_upload.name,
-                            " is in progress; if they are not in it when it is complete, teach "
-                            "them"),
-               out);
+    AddAdvice(out, stable_pose.name(), "has no views yet, while ", open_upload.name,
+              " is in progress; if they are not in it when it is complete, teach "
+              "them");
   } else if (views == 0) {
-    AddFinding(Severity::kWarning, stable_pose.name(),
-               "has no views, so it is never recognised; teach it or delete it", out);
+    AddWarning(out, stable_pose.name(),
+               "has no views, so it is never recognised; teach it or delete it");
   } else if (views < EnoughViewsOf(stable_pose)) {
-    AddFinding(Severity::kAdvice, stable_pose.name(),
-               absl::StrCat("has only ", Counted(views, "view"),
-                            "; teach it every 30 degrees, or from CAD"),
-               out);
+    AddAdvice(out, stable_pose.name(), "has only ", Counted(views, "view"),
+              "; teach it every 30 degrees, or from CAD");
   }
   if (stable_pose.grasps().empty()) {
-    AddFinding(Severity::kAdvice, stable_pose.name(),
-               "has no grasps, so robots get its pose only; add some with: graspdb grasps", out);
+    AddAdvice(out, stable_pose.name(),
+              "has no grasps, so robots get its pose only; add some with: graspdb grasps");
   }
   for (const v1::Grasp& grasp : stable_pose.grasps()) {
     CheckGraspSize(stable_pose, grasp, out);
     if (grasp.gripper_opening_m() > 0) continue;
-    AddFinding(Severity::kAdvice, stable_pose.name(),
-               absl::StrCat("its grasp ", grasp.grasp_id(), " has no gripper opening"), out);
+    AddAdvice(out, stable_pose.name(), "its grasp ", grasp.grasp_id(), " has no gripper opening");
   }
 }
 
@@ -186,12 +162,9 @@ void CheckThreshold(const v1::StablePose& stable_pose, const std::vector<v1::Vie
   const auto newer = std::ranges::count_if(
       views, [&](const v1::View& view) { return view.create_time() > stable_pose.update_time(); });
   if (newer == 0) return;
-  AddFinding(
-      Severity::kAdvice, stable_pose.name(),
-      absl::StrCat(Counted(newer, "view"), newer == 1 ? " is" : " are",
-                   " newer than its minimum score; check it with: graspdb objects thresholds ",
-                   ObjectOf(stable_pose)),
-      out);
+  AddAdvice(out, stable_pose.name(), Counted(newer, "view"), newer == 1 ? " is" : " are",
+            " newer than its minimum score; check it with: graspdb objects thresholds ",
+            ObjectOf(stable_pose));
 }
 
 void CheckProposal(const v1::StablePose& stable_pose, const v1::ThresholdProposal& proposal,
@@ -201,62 +174,53 @@ void CheckProposal(const v1::StablePose& stable_pose, const v1::ThresholdProposa
   const std::string apply =
       absl::StrCat("; set it with: graspdb objects thresholds ", ObjectOf(stable_pose), " --apply");
   if (!proposal.has_min_score()) {
-    AddFinding(
-        Severity::kAdvice, stable_pose.name(),
-        absl::StrFormat("has a minimum score of %.2f, where its views call for the default%s",
-                        stable_pose.min_score(), apply),
-        out);
+    AddAdvice(out, stable_pose.name(),
+              absl::StrFormat("has a minimum score of %.2f, where its views call for the default%s",
+                              stable_pose.min_score(), apply));
     return;
   }
   const double excess = stable_pose.min_score() - proposal.min_score();
   if (is_set && std::abs(excess) < kSameScore) return;
   // A lower one lets more wrong detections pass; a higher one loses correct ones.
   AddFinding(
-      is_set && excess < 0 ? Severity::kAdvice : Severity::kWarning, stable_pose.name(),
+      out, is_set && excess < 0 ? Severity::kAdvice : Severity::kWarning, stable_pose.name(),
       absl::StrFormat("has %s, where its views call for %.2f%s",
                       is_set ? absl::StrFormat("a minimum score of %.2f", stable_pose.min_score())
                              : "the default minimum score",
-                      proposal.min_score(), apply),
-      out);
+                      proposal.min_score(), apply));
 }
 
 void CheckCell(const v1::Cell& cell, Findings* out) {
   if (!cell.has_sensor_pose() && !cell.has_flange_sensor_pose()) {
-    AddFinding(
-        Severity::kWarning, cell.name(),
+    AddWarning(
+        out, cell.name(),
         "has no calibration, so poses are relative to the table under the camera; run: graspdb "
-        "cells level, or let the robot calibrate a camera on its flange",
-        out);
+        "cells level, or let the robot calibrate a camera on its flange");
   }
   CheckPlaces(cell, out);
   if (!cell.has_region_of_interest()) {
-    AddFinding(Severity::kWarning, cell.name(),
-               "has no region of interest, so all that the camera sees is searched; set --region",
-               out);
+    AddWarning(out, cell.name(),
+               "has no region of interest, so all that the camera sees is searched; set --region");
   } else if (LongestSide(cell.region_of_interest()) > kMaxRegionM) {
-    AddFinding(Severity::kError, cell.name(),
-               absl::StrCat("its region is ", LongestSide(cell.region_of_interest()),
-                            " m long; regions are in metres, not millimetres"),
-               out);
+    AddError(out, cell.name(), "its region is ", LongestSide(cell.region_of_interest()),
+             " m long; regions are in metres, not millimetres");
   }
   if (cell.has_workspace() && cell.has_region_of_interest() &&
       !Overlap(cell.workspace(), cell.region_of_interest())) {
-    AddFinding(
-        Severity::kError, cell.name(),
+    AddError(
+        out, cell.name(),
         "its workspace and its region do not overlap, so no grasp is ever proposed; both are in "
-        "the world frame",
-        out);
+        "the world frame");
   }
 }
 
 void CheckLabels(const v1::Cell& cell, const std::set<std::string>& labels, Findings* out) {
   const auto is_used = [&](const std::string& label) { return labels.contains(label); };
   if (cell.labels().empty() || std::ranges::any_of(cell.labels(), is_used)) return;
-  AddFinding(Severity::kError, cell.name(),
-             absl::StrCat("no object has one of its labels (", absl::StrJoin(cell.labels(), ", "),
-                          "), so nothing is recognised; label objects with: graspdb objects set ID "
-                          "--labels, or the cell with: graspdb cells set --no-labels"),
-             out);
+  AddError(out, cell.name(), "no object has one of its labels (",
+           absl::StrJoin(cell.labels(), ", "),
+           "), so nothing is recognised; label objects with: graspdb objects set ID "
+           "--labels, or the cell with: graspdb cells set --no-labels");
 }
 
 bool IsInProgress(const v1::Upload& upload, absl::Time now) {
@@ -268,11 +232,9 @@ void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out) {
   if (upload.state() != v1::UPLOAD_STATE_OPEN) return;
   const absl::Time created = CreateTimeOf(upload);
   if (now - created < kForgotten) return;
-  AddFinding(Severity::kAdvice, upload.name(),
-             absl::StrCat("is open since ",
-                          absl::FormatTime("%Y-%m-%d %H:%M %Ez", created, absl::LocalTimeZone()),
-                          "; run its import again, or delete it with: graspdb uploads delete"),
-             out);
+  AddAdvice(out, upload.name(), "is open since ",
+            absl::FormatTime("%Y-%m-%d %H:%M %Ez", created, absl::LocalTimeZone()),
+            "; run its import again, or delete it with: graspdb uploads delete");
 }
 
 }  // namespace graspdb::client

@@ -169,9 +169,7 @@ void Doctor::CheckStreams() {
         return absl::CancelledError("the stream begins");
       });
   if (!absl::IsResourceExhausted(watched)) return;
-  AddFinding(Severity::kError, "server",
-             absl::StrCat("refuses streams: ", PrintableText(std::string(watched.message()))),
-             &out_);
+  AddError(&out_, "server", "refuses streams: ", PrintableText(std::string(watched.message())));
 }
 
 absl::Status Doctor::CheckAll() {

@@ -3,8 +3,9 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
+
+#include "absl/strings/str_cat.h"
 
 namespace graspdb::client {
 
@@ -18,9 +19,22 @@ struct Finding {
 };
 using Findings = std::vector<Finding>;
 
-inline void AddFinding(Severity severity, std::string_view subject, std::string text,
-                       Findings* out) {
-  out->push_back({severity, std::string(subject), std::move(text)});
+// The text is that of the parts, one behind the other, as of absl::StrCat.
+template <typename... Parts>
+void AddFinding(Findings* out, Severity severity, std::string_view subject, const Parts&... parts) {
+  out->push_back({severity, std::string(subject), absl::StrCat(parts...)});
+}
+template <typename... Parts>
+void AddAdvice(Findings* out, std::string_view subject, const Parts&... parts) {
+  AddFinding(out, Severity::kAdvice, subject, parts...);
+}
+template <typename... Parts>
+void AddWarning(Findings* out, std::string_view subject, const Parts&... parts) {
+  AddFinding(out, Severity::kWarning, subject, parts...);
+}
+template <typename... Parts>
+void AddError(Findings* out, std::string_view subject, const Parts&... parts) {
+  AddFinding(out, Severity::kError, subject, parts...);
 }
 
 }  // namespace graspdb::client

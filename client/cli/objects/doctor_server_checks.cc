@@ -17,7 +17,7 @@ namespace {
 
 // Scheduled backups are missing at twice their interval, as for the alert GraspdbBackupOld.
 constexpr double kMissedIntervals = 2;
-// Without a schedule: a week of teaching is lost with the disk. Doubled, two.
+// Without a schedule: a week of teaching is lost with the disk.
 constexpr double kOldBackupS = 7 * 24 * 3600.0;
 // The first scheduled backup of a large catalogue takes minutes; as for the alert
 // GraspdbBackupMissing.
@@ -51,11 +51,9 @@ void CheckDisk(const v1::DiskSpace& disk, std::int64_t database_bytes, const std
   const std::int64_t available = disk.available_byte_count();
   const auto share = kMinFreeShare * static_cast<double>(disk.byte_count());
   if (static_cast<double>(available) >= share && available >= database_bytes) return;
-  AddFinding(Severity::kWarning, kServer,
-             absl::StrCat("the disk of its ", of, " has only ", BytesText(available), " of ",
-                          BytesText(disk.byte_count()), " left, and the database has ",
-                          BytesText(database_bytes), "; ", advice),
-             out);
+  AddWarning(out, kServer, "the disk of its ", of, " has only ", BytesText(available), " of ",
+             BytesText(disk.byte_count()), " left, and the database has ",
+             BytesText(database_bytes), "; ", advice);
 }
 
 // What a file that cannot be used means.
@@ -73,36 +71,30 @@ std::string EffectOf(const std::string& flag) {
 void CheckBackups(const v1::CatalogStatus& status, Findings* out) {
   if (!status.has_backup()) {
     if (status.view_count() == 0) return;
-    AddFinding(Severity::kAdvice, kServer,
-               "makes no backups; start it with --backup-dir on another disk, and --backup-every "
-               "24h",
-               out);
+    AddAdvice(out, kServer,
+              "makes no backups; start it with --backup-dir on another disk, and --backup-every "
+              "24h");
     return;
   }
   const v1::BackupStatus& backup = status.backup();
   const bool is_scheduled = backup.interval_s() > 0;
   if (!backup.last_error().empty()) {
-    AddFinding(
-        Severity::kWarning, kServer,
-        absl::StrCat("making, verifying or deleting a backup failed: ",
-                     PrintableText(backup.last_error()), "; then run: graspdb backup create"),
-        out);
+    AddWarning(out, kServer, "making, verifying or deleting a backup failed: ",
+               PrintableText(backup.last_error()), "; then run: graspdb backup create");
   }
   if (!backup.has_last_good_backup()) {
     if (is_scheduled && backup.last_error().empty() && status.uptime_s() < kFirstBackupS) return;
-    AddFinding(Severity::kWarning, kServer, "has no good backup; run: graspdb backup create", out);
+    AddWarning(out, kServer, "has no good backup; run: graspdb backup create");
     return;
   }
   const double limit_s = is_scheduled ? kMissedIntervals * backup.interval_s() : kOldBackupS;
   if (backup.last_good_age_s() <= limit_s) return;
-  AddFinding(Severity::kWarning, kServer,
-             absl::StrCat("its last good backup is ", HoursText(backup.last_good_age_s()), " old, ",
-                          is_scheduled ? absl::StrCat("and one is scheduled every ",
-                                                      HoursText(backup.interval_s()),
-                                                      "; check the disk of --backup-dir")
-                                       : "and none is scheduled; give it --backup-every 24h",
-                          ", and run: graspdb backup create"),
-             out);
+  AddWarning(
+      out, kServer, "its last good backup is ", HoursText(backup.last_good_age_s()), " old, ",
+      is_scheduled ? absl::StrCat("and one is scheduled every ", HoursText(backup.interval_s()),
+                                  "; check the disk of --backup-dir")
+                   : "and none is scheduled; give it --backup-every 24h",
+      ", and run: graspdb backup create");
 }
 
 void CheckDisks(const v1::CatalogStatus& status, Findings* out) {
@@ -121,25 +113,20 @@ void CheckDisks(const v1::CatalogStatus& status, Findings* out) {
 
 void CheckWrites(const v1::ServerState& state, Findings* out) {
   if (!state.has_write_fault()) return;
-  AddFinding(
-      Severity::kError, kServer,
-      absl::StrCat("writes fail since ", MinuteText(TimeFrom(state.write_fault().time())),
-                   ", while it still recognises: ", PrintableText(state.write_fault().error())),
-      out);
+  AddError(out, kServer, "writes fail since ", MinuteText(TimeFrom(state.write_fault().time())),
+           ", while it still recognises: ", PrintableText(state.write_fault().error()));
 }
 
 void CheckDatabaseFiles(const v1::ServerState& state, Findings* out) {
   for (const v1::DamagedFile& file : state.damaged_files()) {
-    AddFinding(Severity::kError, kServer,
-               absl::StrCat("its database's file ", PrintableText(file.name()), " is damaged (",
-                            PrintableText(file.error()), "); ",
-                            file.backup().empty()
-                                ? "no backup of this catalogue has it: teach its views again "
-                                  "(event=record_left_out in the log)"
-                                : absl::StrCat(PrintableText(file.backup()),
-                                               " has it: stop the server, and restore that backup "
-                                               "into an empty folder")),
-               out);
+    AddError(out, kServer, "its database's file ", PrintableText(file.name()), " is damaged (",
+             PrintableText(file.error()), "); ",
+             file.backup().empty()
+                 ? "no backup of this catalogue has it: teach its views again "
+                   "(event=record_left_out in the log)"
+                 : absl::StrCat(PrintableText(file.backup()),
+                                " has it: stop the server, and restore that backup "
+                                "into an empty folder"));
   }
 }
 
@@ -147,17 +134,13 @@ void CheckFiles(const v1::ServerState& state, Findings* out) {
   bool is_audit_broken = false;
   for (const v1::FileFault& fault : state.file_faults()) {
     is_audit_broken = is_audit_broken || fault.flag() == "--audit-log";
-    AddFinding(Severity::kError, kServer,
-               absl::StrCat(fault.error(), ", since ", MinuteText(TimeFrom(fault.time())),
-                            EffectOf(fault.flag())),
-               out);
+    AddError(out, kServer, fault.error(), ", since ", MinuteText(TimeFrom(fault.time())),
+             EffectOf(fault.flag()));
   }
   if (state.lost_audit_record_count() == 0 || is_audit_broken) return;
-  AddFinding(Severity::kWarning, kServer,
-             absl::StrCat("lost ", Counted(state.lost_audit_record_count(), "audit record"),
-                          " since its start; its log has the reason (event=audit_not_written): "
-                          "check the disk of --audit-log"),
-             out);
+  AddWarning(out, kServer, "lost ", Counted(state.lost_audit_record_count(), "audit record"),
+             " since its start; its log has the reason (event=audit_not_written): "
+             "check the disk of --audit-log");
 }
 
 void CheckCertificate(std::string_view subject, std::string_view flag, absl::Time end,
@@ -168,12 +151,10 @@ void CheckCertificate(std::string_view subject, std::string_view flag, absl::Tim
   const Severity severity = is_expired         ? Severity::kError
                             : left < kRenewNow ? Severity::kWarning
                                                : Severity::kAdvice;
-  AddFinding(severity, subject,
-             absl::StrCat("its certificate (", std::string(flag), ") ",
-                          is_expired ? "expired on " : "expires on ", MinuteText(end),
-                          "; renew it and replace the files: they are read again without a "
-                          "restart"),
-             out);
+  AddFinding(out, severity, subject, "its certificate (", std::string(flag), ") ",
+             is_expired ? "expired on " : "expires on ", MinuteText(end),
+             "; renew it and replace the files: they are read again without a "
+             "restart");
 }
 
 void CheckClock(const v1::ServerState& state, absl::Time before, absl::Time after, Findings* out) {
@@ -182,30 +163,24 @@ void CheckClock(const v1::ServerState& state, absl::Time before, absl::Time afte
   const absl::Duration behind = before - time;
   const absl::Duration difference = std::max(ahead, behind);
   if (difference <= kMaxClockDifference) return;
-  AddFinding(Severity::kWarning, kServer,
-             absl::StrCat("its clock is ", absl::ToInt64Seconds(difference), " s ",
-                          ahead > behind ? "ahead of" : "behind",
-                          " this machine's; synchronise both (NTP): certificates and the ages of "
-                          "backups, deleted objects and imports go by it"),
-             out);
+  AddWarning(out, kServer, "its clock is ", absl::ToInt64Seconds(difference), " s ",
+             ahead > behind ? "ahead of" : "behind",
+             " this machine's; synchronise both (NTP): certificates and the ages of "
+             "backups, deleted objects and imports go by it");
 }
 
 void CheckIndex(const v1::CatalogStatus& first, const v1::CatalogStatus& later, Findings* out) {
   const v1::ServerState& state = later.server_state();
   if (!state.serving()) {
-    AddFinding(Severity::kError, kServer,
-               "recognises with an old catalogue, since a change could not be applied in memory "
-               "(event=change_not_applied); give it memory, or restart it",
-               out);
+    AddError(out, kServer,
+             "recognises with an old catalogue, since a change could not be applied in memory "
+             "(event=change_not_applied); give it memory, or restart it");
   } else if (first.catalog_id() == later.catalog_id() &&
              state.index_revision() < first.catalog_revision()) {
-    AddFinding(
-        Severity::kWarning, kServer,
-        absl::StrCat("its index has revision ", state.index_revision(), ", but the catalogue ",
-                     first.catalog_revision(),
-                     "; run doctor again: if it stays so after a large import, keep the server's "
-                     "log for a bug report, and restart it"),
-        out);
+    AddWarning(out, kServer, "its index has revision ", state.index_revision(),
+               ", but the catalogue ", first.catalog_revision(),
+               "; run doctor again: if it stays so after a large import, keep the server's "
+               "log for a bug report, and restart it");
   }
 }
 
