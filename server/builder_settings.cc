@@ -6,15 +6,13 @@ namespace graspdb::server {
 namespace {
 
 // Milliseconds after which a silent client gets a ping, and after which it is taken for gone: its
-// connection is closed and its calls end. Doubled, streams of a machine without power occupy their
-// threads for up to 100 s. gRPC's own time is two hours.
+// connection is closed and its calls end. gRPC's own time is two hours.
 constexpr int kServerKeepaliveMs = 30'000;
 constexpr int kServerKeepaliveTimeoutMs = 20'000;
 // Clients may send pings this often; gRPC's own five minutes are longer than the idle time of many
-// routers. Halved, a client of pings alone takes twice the time of the server.
+// routers.
 constexpr int kMinPingMs = 10'000;
-// For a new connection to begin with HTTP/2, after TLS if used. gRPC's own time is two minutes;
-// doubled, connections that send nothing keep their descriptors for twice as long.
+// For a new connection to begin with HTTP/2, after TLS if used. gRPC's own time is two minutes.
 constexpr int kHandshakeMs = 20'000;
 
 }  // namespace

@@ -51,7 +51,7 @@ namespace {
 // Maximum number of waiting uploads.
 constexpr int kTeachQueue = 64;
 
-// Of the streams a quarter may wait for changes. Halved, half of them.
+// Of the streams a quarter may wait for changes.
 constexpr int kWatcherShare = 4;
 
 // A shutdown ends the streams of health watchers, notified or not.

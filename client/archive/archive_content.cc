@@ -7,7 +7,7 @@
 namespace graspdb::client {
 namespace {
 
-// m, and parts of a unit quaternion. Rounding changes 1e-16; doubled, nothing changes.
+// m, and parts of a unit quaternion. Rounding changes 1e-16.
 constexpr double kPoseTolerance = 1e-9;
 
 bool IsNear(const v1::Pose& a, const v1::Pose& b) {

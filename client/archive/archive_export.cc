@@ -12,8 +12,7 @@
 namespace graspdb::client {
 namespace {
 
-// Views that are read at the same time, so that a distant server does not make each wait. Doubled,
-// the export takes twice the memory.
+// Views that are read at the same time, so that a distant server does not make each wait.
 constexpr std::size_t kViewsAtOnce = 4;
 
 class ArchiveExport {

@@ -15,7 +15,7 @@ namespace {
 // The contract's limit for a report.
 constexpr std::int64_t kOutcomesPerReport = 10'000;
 // Counts above are treated as this one: 100 reports. Grasps are ranked by shares, which hardly
-// differ from there on; doubled, a hostile file causes twice as many calls.
+// differ from there on.
 constexpr std::int64_t kMaxRaisedCount = 1'000'000;
 
 // By grasp.

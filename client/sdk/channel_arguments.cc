@@ -6,18 +6,17 @@ namespace graspdb::client {
 namespace {
 
 // The first delay between two attempts to connect, and the longest, to which it grows by 1.6 with
-// each. gRPC's own 120 s keep a cell without a server for up to 2 minutes after that is back;
-// doubled, up to 2 s, and half as many attempts are made meanwhile.
+// each. gRPC's own 120 s keep a cell without a server for up to 2 minutes after that is back.
 constexpr int kFirstReconnectMs = 100;
 constexpr int kLongestReconnectMs = 1'000;
 // For an attempt: TCP, TLS, and the server's first HTTP/2 frame. TCP repeats a lost packet after 1
-// and 3 s, so a cable that is plugged in is noticed after 2 s at the latest; doubled, after 4 s.
-// In spite of its name the option is not a minimum of the delay.
+// and 3 s, so a cable that is plugged in is noticed after 2 s at the latest. In spite of its name
+// the option is not a minimum of the delay.
 constexpr int kConnectMs = 4'000;
 // Milliseconds without a message during a call after which the server gets a ping, at least 10 s
 // (server/builder_settings.cc), and after which the connection is closed if the ping or sent data
 // are not acknowledged (TCP_USER_TIMEOUT). Without, TCP repeats data up to 2 minutes after the
-// power is back at the server. Doubled, a server without power is noticed after 20 s.
+// power is back at the server.
 constexpr int kClientKeepaliveMs = 20'000;
 constexpr int kClientKeepaliveTimeoutMs = 10'000;
 

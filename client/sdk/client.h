@@ -54,7 +54,7 @@ struct ConnectionOptions {
   // How often a call is sent again while the server is busy, after the delay in its error (0.1 s)
   // and a random part of a span, which doubles from 0.1 to 1 s. Seven take about 3 s: a full queue,
   // of one frame a worker, is empty after some 0.1 s, so that 3 s mean a lasting overload, which
-  // the caller should know. Doubled, that takes 7 s.
+  // the caller should know.
   int busy_retries = 7;
   // Whether this client has its own connection; by default, clients of one server share one.
   bool own_connection = false;

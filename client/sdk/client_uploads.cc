@@ -7,8 +7,7 @@ namespace {
 
 using Uploads = v1::UploadService::Stub;
 
-// Requests without a response. A view takes the server longer than its way there; doubled, twice as
-// many are sent again after a broken connection.
+// Requests without a response. A view takes the server longer than its way there.
 constexpr int kMaxPending = 8;
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace graspdb::client {
 namespace {
 
-// Between two checks whether the client is destroyed. Doubled, that takes up to 0.2 s.
+// Between two checks whether the client is destroyed.
 constexpr std::chrono::milliseconds kCheck(100);
 
 }  // namespace

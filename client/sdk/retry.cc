@@ -16,8 +16,7 @@ namespace {
 constexpr absl::Duration kLongestDelay = absl::Seconds(30);
 
 // Bounds of the random part of a pause. Of n clients that were refused together, one returns every
-// span/n on average: of ten clients one each 0.1 s, about the time of a frame. Doubled, they may
-// leave the server idle for twice as long.
+// span/n on average: of ten clients one each 0.1 s, about the time of a frame.
 constexpr absl::Duration kShortestSpan = absl::Milliseconds(1);
 constexpr absl::Duration kLongestSpan = absl::Seconds(1);
 

@@ -20,7 +20,7 @@ namespace {
 
 // Maximum bytes of a record beside the points of a view: a stable pose with all of its grasps has
 // some 20 kB. Two bytes may become a message of 110 in memory, so that a hostile record takes some
-// 60 MB; doubled, twice as much.
+// 60 MB.
 constexpr std::size_t kMaxBytesBesidePoints = 1U << 20;
 
 absl::Status NoArchive(const std::filesystem::path& path) {

@@ -26,8 +26,7 @@ inline constexpr std::string_view kArchiveMagic{"GAR\x01", 4};
 inline constexpr std::size_t kArchiveFrameHeaderBytes = 8;
 inline constexpr std::size_t kArchiveLengthBytes = 4;
 
-// Maximum size of a record before compression, bytes: a view of 10 million points. Doubled, a
-// hostile file takes twice the memory for each thread that reads.
+// Maximum size of a record before compression, bytes: a view of 10 million points.
 inline constexpr std::size_t kMaxArchiveRecordBytes = 128U << 20;
 
 // A record of a file.

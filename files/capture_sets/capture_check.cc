@@ -17,8 +17,6 @@ namespace graspdb::files {
 namespace {
 
 // Longer than any length of a grasp that is in metres; the server rejects distances beyond it.
-// Doubled, distances of 10 to 20 mm that were given as metres are rejected by the server only, and
-// such positions are stored.
 constexpr double kMaxGraspLengthM = 10;
 
 // The farthest point that the server accepts from a sensor, max_range_m of the contract.

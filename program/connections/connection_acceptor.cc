@@ -24,16 +24,13 @@
 namespace graspdb {
 namespace {
 
-// Share of the descriptors that files keep: one in so many. Doubled, a database with many files has
-// too few beside idle connections.
+// Share of the descriptors that files keep: one in so many.
 constexpr int kFileShare = 4;
 
-// Connections at most, whatever the limit of descriptors: each takes some 20 KB in gRPC. Doubled,
-// idle ones may take 650 MB.
+// Connections at most, whatever the limit of descriptors: each takes some 20 KB in gRPC.
 constexpr int kMaxConnections = 16'384;
 
-// Pause while the system has no descriptor or memory. Doubled, connections wait twice as long once
-// it has.
+// Pause while the system has no descriptor or memory.
 constexpr std::chrono::milliseconds kShortagePause{20};
 
 // Connections of one socket that are accepted before the others are looked at.

@@ -9,16 +9,13 @@
 namespace graspdb {
 namespace {
 
-// Of the connections one address gets one in so many. Doubled, the cells behind one address have a
-// quarter of them.
+// Of the connections one address gets one in so many.
 constexpr int kAddressShare = 2;
 
-// A recount looks at all connections. Doubled, an address that has closed some may wait twice as
-// long for the next one.
+// A recount looks at all connections.
 constexpr std::chrono::milliseconds kRecountPause{100};
 
-// The same for files, whose number changes slowly. Doubled, what the database opens is counted
-// later.
+// The same for files, whose number changes slowly.
 constexpr std::chrono::milliseconds kFileRecountPause{1000};
 
 }  // namespace

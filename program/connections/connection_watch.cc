@@ -18,17 +18,15 @@ namespace {
 // In which abandoned calls are counted.
 constexpr std::chrono::seconds kWindow{1};
 // So many more of an address for each of its connections: hundreds of cells behind one address may
-// give up at once. Doubled, a flood over many connections needs twice the calls.
+// give up at once.
 constexpr int kAbandonedByConnection = 8;
-// How long an address cannot connect after one of its connections was ended. Doubled, its honest
-// programs wait twice as long; halved, a flood has twice the time.
+// How long an address cannot connect after one of its connections was ended.
 constexpr std::chrono::seconds kBar{10};
-// Between two looks at what connections receive. Doubled, a flood takes memory for twice as long.
+// Between two looks at what connections receive.
 constexpr std::chrono::milliseconds kCheckInterval{200};
 // Messages and calls of a connection between two of them, from which on it is suspected.
 constexpr int kManyMessages = 500;
-// A message may take this long to arrive, even if the process takes too much memory. Halved, slow
-// networks lose connections then.
+// A message may take this long to arrive, even if the process takes too much memory.
 constexpr std::chrono::seconds kLongMessage{5};
 // What a connection has to receive until it is suspected.
 constexpr std::uint64_t kLittleBytes = 1U << 20U;

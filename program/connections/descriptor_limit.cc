@@ -11,8 +11,7 @@
 namespace graspdb {
 namespace {
 
-// A server without connections has about 30 open. Halved, its database and its connections displace
-// each other.
+// A server without connections has about 30 open.
 constexpr rlim_t kMinDescriptors = 64;
 
 // Numbers of descriptors are of type int.

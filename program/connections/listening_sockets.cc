@@ -19,8 +19,7 @@
 namespace graspdb {
 namespace {
 
-// A port that is free at the first address may be in use at the next one. Doubled, a machine
-// without a free port reports it later.
+// A port that is free at the first address may be in use at the next one.
 constexpr int kPortAttempts = 16;
 // gRPC's own default for servers, ms.
 constexpr int kUserTimeoutMs = 20'000;

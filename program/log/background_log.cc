@@ -24,7 +24,7 @@
 namespace graspdb {
 namespace {
 
-// Lines that may wait, some 400 bytes each. Doubled, twice the memory, which is taken at the start.
+// Lines that may wait, some 400 bytes each.
 constexpr std::size_t kWaitingLines = 4096;
 
 // Time of the program's end for the lines that still wait.

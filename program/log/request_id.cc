@@ -10,7 +10,7 @@
 namespace graspdb {
 namespace {
 
-// A UUID with dashes has 36. Doubled, a log line may be 64 bytes longer.
+// A UUID with dashes has 36.
 constexpr std::size_t kMaxRequestIdBytes = 64;
 
 bool IsPlain(char c) {

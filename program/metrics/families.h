@@ -33,7 +33,7 @@ template <typename Metric>
 class EventFamily {
  public:
   // Names of objects and cells are label values, so that the number of series is limited. 4,096
-  // counters take 1 MiB; doubled, twice as much, and so does each scrape.
+  // counters take 1 MiB.
   static constexpr std::size_t kMaxSeries = 4096;
 
   // `bounds`: upper ends of a histogram's buckets, ascending.

@@ -18,7 +18,7 @@
 namespace graspdb::server {
 namespace {
 
-// Full files beside the current one; doubled, twice as much history.
+// Full files beside the current one.
 constexpr int kFullFiles = 10;
 
 // FILE.2.log of FILE.log; 0 is the file itself.

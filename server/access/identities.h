@@ -15,7 +15,7 @@ namespace graspdb::server {
 
 // Bytes of a file of identities. Read again at each change; twice as many would still be fast.
 inline constexpr std::size_t kMaxIdentitiesBytes = std::size_t{1} << 20U;
-// Each call compares its token with all; doubled, the comparison takes up to 0.1 ms.
+// Each call compares its token with all.
 inline constexpr std::size_t kMaxIdentities = 1024;
 // Tokens, and certificates, of one identity.
 inline constexpr int kMaxCredentials = 4;

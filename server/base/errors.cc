@@ -9,8 +9,7 @@
 namespace graspdb::server {
 namespace {
 
-// In a tenth of a second one or two frames are processed. Doubled, robots wait longer than
-// necessary.
+// In a tenth of a second one or two frames are processed.
 constexpr std::int32_t kRetryDelayNs = 100'000'000;
 constexpr std::string_view kDomain = "graspdb";
 constexpr std::string_view kTypePrefix = "type.googleapis.com/";

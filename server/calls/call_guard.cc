@@ -31,7 +31,7 @@ constexpr absl::string_view kReflection = "/grpc.reflection.";
 // Names that are read from a certificate; real ones have one to three.
 constexpr std::size_t kMaxCertificateNames = 16;
 
-// Resources in an audit record; doubled, a record takes up to 8 KiB.
+// Resources in an audit record.
 constexpr std::size_t kMaxResources = 16;
 
 // Guards by the contexts of their calls, which gRPC does not link.

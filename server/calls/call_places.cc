@@ -10,15 +10,13 @@
 namespace graspdb::server {
 namespace {
 
-// Of a kind's places one caller gets one in so many. Halved, one caller may have them all; doubled,
-// the cells behind one address have a quarter of them.
+// Of a kind's places one caller gets one in so many.
 constexpr int kCallerShare = 2;
 
-// One in so many is for callers with an identity. Doubled, they find an eighth when callers without
-// identity use all others.
+// One in so many is for callers with an identity.
 constexpr int kIdentifiedShare = 4;
 
-// Streams of server reflection. Doubled, twice as many threads for those that are left open.
+// Streams of server reflection.
 constexpr int kReflectionStreams = 8;
 
 using PlaceClock = std::chrono::steady_clock;

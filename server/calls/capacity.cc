@@ -9,19 +9,17 @@ namespace graspdb::server {
 namespace {
 
 // Streams, and unary calls beside the frames. One that waits takes some 120 KB, most of it for its
-// thread. Doubled, a caller can take 15 MB more by streams.
+// thread.
 constexpr int kMinStreams = 256;
 constexpr int kOtherCalls = 256;
 // Threads for calls that are refused, each within a fraction of a millisecond.
 constexpr int kRefusingThreads = 128;
 // Minimum number of threads that wait for calls.
 constexpr int kMinPollers = 8;
-// Calls of one connection at once; more wait in the client. Halved, a program with many robots
-// needs a second connection earlier.
+// Calls of one connection at once; more wait in the client.
 constexpr int kCallsOfConnection = 128;
 
 // What the process may take beyond its memory before connections are ended: one in so many of it.
-// Doubled, honest connections are ended when the allocator keeps an eighth.
 constexpr std::size_t kMemorySpareShare = 4;
 
 }  // namespace

@@ -63,7 +63,7 @@ class RequestMemory {
 
  private:
   // Shares of the budget. At --memory-mib 256 requests of up to 1.4 MB on the wire are small, three
-  // depth images of a Kinect v2; doubled, half as much. The pool doubled: an eighth is theirs.
+  // depth images of a Kinect v2.
   static constexpr std::size_t kSmallShare = 16;
   static constexpr std::size_t kSmallPoolShare = 4;
 

@@ -19,8 +19,7 @@ constexpr absl::Duration kOpenUploadAge = absl::Hours(7 * 24);
 constexpr absl::Duration kCommittedUploadAge = absl::Hours(30 * 24);
 constexpr std::chrono::hours kExpiryInterval{1};
 // A clock that makes all of the history old, by more than this, is taken for wrong: a server that
-// was off for so long keeps the history until it has run for the time that it is kept. Doubled, a
-// clock that is further ahead than that time by up to two weeks purges all of it.
+// was off for so long keeps the history until it has run for the time that it is kept.
 constexpr absl::Duration kLongestOff = absl::Hours(7 * 24);
 
 // The time of the last change; nullopt without one.

@@ -12,13 +12,12 @@ namespace graspdb::server {
 namespace {
 
 // Filters whose results are kept; a cell with another one waits while its chunks are copied: 1 s
-// for 100,000 views. Doubled, more memory: see below.
+// for 100,000 views.
 constexpr std::size_t kMaxFilters = 16;
 // Copied views of all filters together, for each view of the catalogue. They are copied where
-// hidden views are near them, 1.5 KB each. Doubled, twice as much memory.
+// hidden views are near them, 1.5 KB each.
 constexpr std::size_t kMaxCopies = 2;
-// A filter that is not used keeps the chunks of its last revision. Doubled, memory for cells that
-// stopped is kept longer.
+// A filter that is not used keeps the chunks of its last revision.
 constexpr std::chrono::minutes kMaxIdle{10};
 
 // Views that a filter does not share with the whole index.

@@ -19,7 +19,7 @@ using recognition::kRadiansPerDegree;
 
 constexpr double kMaxPosition = 1000;  // m
 constexpr double kNormTolerance = 1e-3;
-// Of a quaternion that was normalised in double precision. Doubled, nothing changes.
+// Of a quaternion that was normalised in double precision.
 constexpr double kNormRounding = 1e-14;
 
 // Copies a field that is set, if it is in [lo, hi].

@@ -32,7 +32,6 @@ class UploadRate {
 
  private:
   static constexpr std::chrono::seconds kStep{1};
-  // Doubled, the rate follows a change more slowly.
   static constexpr std::chrono::seconds kSpan{30};
 
   struct Count {

@@ -68,7 +68,7 @@ struct CatalogueOptions {
   // Write buffer of each of the twelve families before it is flushed to a file, in bytes.
   std::size_t write_buffer_bytes = 16U << 20;
   // Space that is kept for deletions, starts and compactions (storage/database/disk_reserve.h), in
-  // bytes. Doubled, additions end that much earlier before the disk is full.
+  // bytes.
   std::uint64_t disk_reserve_bytes = 0;
   // Environment for file access; not owned, must outlive the catalogue. Null: the default
   // one. Tests set a failing disk here.

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t kMaxForgotten = 1024;
 
 // Bytes of a change record beyond which it is stored without values: those of a large upload would
-// be in the database twice. Doubled, watchers get messages of twice the size.
+// be in the database twice.
 constexpr std::size_t kMaxChangeBytes = 1U << 20;
 
 std::string Stored(const ChangeRecord& change) {

@@ -9,8 +9,7 @@
 namespace graspdb::storage {
 namespace {
 
-// Bytes of values after which a row ends. Lists read the first row of each change; doubled, they
-// may read twice as much.
+// Bytes of values after which a row ends. Lists read the first row of each change.
 constexpr std::size_t kMaxRowBytes = 64U << 10;
 
 constexpr std::size_t kPartBytes = sizeof(std::uint32_t);

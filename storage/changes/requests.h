@@ -18,11 +18,10 @@
 namespace graspdb::storage {
 
 // Ids that are kept, at most, some 200 bytes each: 2 MB. Callers repeat a call within seconds or
-// minutes; ten cells with a pick every ten seconds each reach the number in three hours. Doubled, 4
-// MB, and an id is known for twice as long.
+// minutes; ten cells with a pick every ten seconds each reach the number in three hours.
 inline constexpr std::uint64_t kKeptRequests = 10'000;
 // How long an id is known, at most. A program that was down over night still repeats its last call
-// safely. Doubled, quiet plants keep their last ids for another day.
+// safely.
 inline constexpr absl::Duration kKeptRequestTime = absl::Hours(24);
 
 // The record of the request with this id. None if there was no such request or it is forgotten;

@@ -13,11 +13,9 @@ namespace {
 
 using Properties = rocksdb::DB::Properties;
 
-// For what a flush writes besides the memtables' entries: tables' indexes, manifest, log. Doubled,
-// a disk that was full needs a MiB more before writes succeed.
+// For what a flush writes besides the memtables' entries: tables' indexes, manifest, log.
 constexpr std::uint64_t kFlushSpareBytes = 1U << 20;
-// What additions leave beside a flush, so that one that is in progress does not take it. Doubled,
-// they end that much earlier.
+// What additions leave beside a flush, so that one that is in progress does not take it.
 constexpr std::uint64_t kAddSpareBytes = 4U << 20;
 // The start writes the content of the logs to files, a little more than they have.
 constexpr std::uint64_t kLogsPerReserve = 2;

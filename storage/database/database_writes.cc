@@ -23,13 +23,10 @@ using Clock = std::chrono::steady_clock;
 // file for each family.
 constexpr std::uint64_t kLargeLogBytes = 1U << 20;
 // Between two attempts to write to a disk that was full. Each may write the memtables.
-// Doubled, writes fail for up to a second longer after there is room.
 constexpr std::chrono::seconds kRecoveryInterval{1};
-// The longest time between two attempts after the disk failed. Doubled, writes fail for half a
-// minute longer after it works again.
+// The longest time between two attempts after the disk failed.
 constexpr std::chrono::seconds kMaxRecoveryInterval{30};
-// Between two attempts to write a small file while nothing has failed. Halved, an idle database
-// writes twice as many.
+// Between two attempts to write a small file while nothing has failed.
 constexpr std::chrono::seconds kProbeInterval{30};
 // File descriptors for a flush: sorted files of the families, clouds, manifest, log, folders.
 constexpr int kFlushDescriptors = 32;

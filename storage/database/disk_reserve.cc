@@ -12,7 +12,7 @@
 namespace graspdb::storage {
 namespace {
 
-// Of a small file system. Doubled, an eighth of it is out of use.
+// Of a small file system.
 constexpr std::uint64_t kMinShare = 16;
 constexpr std::uint64_t kBlockBytes = 512;  // of st_blocks
 

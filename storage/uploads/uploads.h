@@ -29,7 +29,7 @@ namespace graspdb::storage {
 class ChangeLog;
 class Database;
 
-// Limit of uploads that are not committed. Doubled, abandoned ones may take twice the disk space.
+// Limit of uploads that are not committed.
 inline constexpr std::size_t kMaxOpenUploads = 64;
 // Views of one upload. Commit() has all their records, about 2 KB each, in memory, twice.
 inline constexpr std::size_t kMaxStagedViews = 100'000;

@@ -22,7 +22,7 @@ using recognition::kDegreesPerRadian;
 using recognition::kMmPerM;
 using recognition::Pose;
 
-// A sensor of 1 Hz delivers ten frames in it. Doubled, one that delivers none is reported later.
+// A sensor of 1 Hz delivers ten frames in it.
 constexpr absl::Duration kFramesWithin = absl::Seconds(10);
 
 absl::Status NotStarted() {

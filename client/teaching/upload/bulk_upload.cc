@@ -22,8 +22,7 @@
 namespace graspdb::client {
 namespace {
 
-// Between checks for an interrupt while it waits for a busy server. Doubled, an interrupt takes up
-// to 0.1 s.
+// Between checks for an interrupt while it waits for a busy server.
 constexpr absl::Duration kInterruptPeriod = absl::Milliseconds(50);
 
 // With advice where the server was lost after views were sent. A commit may have been made then,

@@ -16,8 +16,7 @@ namespace graspdb::client {
 struct BulkUploadOptions {
   // Id of the upload. An open upload with this id is continued; choose it from what is uploaded.
   std::string upload_id;
-  // Streams that send at the same time. The server computes on as many cores; doubled beyond these,
-  // they only wait.
+  // Streams that send at the same time. The server computes on as many cores; more would only wait.
   int streams = 4;
   // Whether one view that cannot be taught keeps all others out of the catalogue, too.
   bool atomic = false;

@@ -15,7 +15,7 @@ namespace graspdb::client {
 namespace {
 
 // Spans of the random pauses, added to the delay of a busy server (BusyDelay). Half of a span is
-// the mean; doubled, robots wait longer for a camera or server that is back.
+// the mean.
 constexpr absl::Duration kFirstPause = absl::Milliseconds(20);
 constexpr absl::Duration kMaxPause = absl::Milliseconds(500);
 

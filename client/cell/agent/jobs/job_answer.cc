@@ -17,7 +17,7 @@ namespace {
 
 using recognition::Pose;
 
-// Reasons in the text for a frame without a pose; doubled, it fills a screen with long names.
+// Reasons in the text for a frame without a pose.
 constexpr std::size_t kMaxReasons = 3;
 
 // An object that matches the job, with its reachable grasps.

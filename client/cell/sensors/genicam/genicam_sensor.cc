@@ -24,7 +24,7 @@ namespace {
 
 // Images that the library fills while one is read.
 constexpr int kBufferCount = 4;
-// Bytes of an image: 20 million points. Doubled, a camera takes twice the memory.
+// Bytes of an image: 20 million points.
 constexpr std::size_t kMaxImageBytes = std::size_t{256} << 20U;
 // How often the reading thread looks whether it is to end, us.
 constexpr std::uint64_t kPollUs = 100'000;

@@ -21,7 +21,7 @@ namespace {
 
 // Of a frame: a cloud of 5 million points has 60 MB.
 constexpr int kMaxMessageBytes = 64 << 20;
-// When its memory is exhausted, gRPC stops reading. Doubled, slow connections hold twice as much.
+// When its memory is exhausted, gRPC stops reading.
 constexpr std::size_t kMemoryBytes = std::size_t{256} << 20U;
 // Frames that are checked at the same time.
 constexpr int kMaxCalls = 4;
