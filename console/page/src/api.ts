@@ -4,6 +4,7 @@ import { Code, ConnectError, createClient, type Interceptor } from "@connectrpc/
 import { createConnectTransport } from "@connectrpc/connect-web";
 import { CatalogService, type UploadViewsRequestSchema, type UploadViewsResponse } from "../gen/graspdb/v1/catalog_service_pb";
 import { CellService } from "../gen/graspdb/v1/cell_service_pb";
+import { ObjectHistoryService } from "../gen/graspdb/v1/object_history_service_pb";
 import { RecognitionService } from "../gen/graspdb/v1/recognition_service_pb";
 import { ViewDetail, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
 import type { Cell } from "../gen/graspdb/v1/cell_pb";
@@ -27,6 +28,7 @@ const transport = createConnectTransport({
 
 export const catalog = createClient(CatalogService, transport);
 export const cells = createClient(CellService, transport);
+export const objectHistory = createClient(ObjectHistoryService, transport);
 export const recognition = createClient(RecognitionService, transport);
 
 // A call of a method that takes a stream of requests, with one of them. The library has no such calls, since browsers cannot
@@ -64,6 +66,8 @@ async function allPages<R extends { nextPageToken: string }, T>(
 
 export const listObjects = (most: number): Promise<CatalogObject[]> =>
   allPages((pageToken) => catalog.listObjects({ pageToken, pageSize: 1000 }), (page) => page.objects, most);
+export const listDeletedObjects = (most: number): Promise<CatalogObject[]> =>
+  allPages((pageToken) => objectHistory.listDeletedObjects({ pageToken, pageSize: 1000 }), (page) => page.objects, most);
 export const listStablePoses = (parent: string, most: number): Promise<StablePose[]> =>
   allPages((pageToken) => catalog.listStablePoses({ parent, pageToken }), (page) => page.stablePoses, most);
 export const listViews = (parent: string, most: number): Promise<View[]> =>

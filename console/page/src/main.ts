@@ -40,7 +40,7 @@ const openScan = (scan: Scan): void => {
   location.hash = "#scene";
   scene.use(scan);
 };
-const catalogue = new CatalogueView(report, openScan, (stablePose) => grasps.choose(stablePose));
+const catalogue = new CatalogueView(report, openScan, (stablePose) => grasps.choose(stablePose), () => showRevision());
 const grasps = new GraspView(report);
 const teach = new TeachView(report);
 const lookAlikes = new LookAlikeView(report);
@@ -58,6 +58,15 @@ function current(): Name {
   return name in views ? (name as Name) : "scene";
 }
 
+function showRevision(): void {
+  catalog.getCatalogStatus({}).then(
+    (status) => replace(revision, `server ${status.serverVersion} · revision ${status.catalogRevision}`),
+    (error) => {
+      replace(revision, "no server");
+      report(explain(error));
+    });
+}
+
 function open(): void {
   const name = current();
   document.title = `graspdb – ${titles[name]}`;
@@ -67,12 +76,7 @@ function open(): void {
   }
   if (main.firstChild !== views[name].element) replace(main, views[name].element);
   views[name].opened();
-  catalog.getCatalogStatus({}).then(
-    (status) => replace(revision, `server ${status.serverVersion} · revision ${status.catalogRevision}`),
-    (error) => {
-      replace(revision, "no server");
-      report(explain(error));
-    });
+  showRevision();
 }
 
 document.body.append(

@@ -31,3 +31,7 @@ export function duration(seconds: number): string {
   const days = Math.floor(hours / 24);
   return days < 1 ? `${hours} h ${minutes % 60} min` : `${days} d ${hours % 24} h`;
 }
+
+// A time of the contract, to the minute.
+export const utc = (stamp: { seconds: bigint } | undefined): string =>
+  stamp ? new Date(Number(stamp.seconds) * 1000).toISOString().slice(0, 16).replace("T", " ") : "–";

@@ -3,6 +3,7 @@
 import { strict as assert } from "node:assert";
 import { existsSync, mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
+import { testCatalogue } from "./catalogue_steps.mjs";
 import { testCells } from "./cell_steps.mjs";
 import { testGrasps } from "./grasp_steps.mjs";
 import { testLookAlikes } from "./look_alike_steps.mjs";
@@ -43,7 +44,7 @@ const test = {
     return answer;
   },
 };
-const views = { grasps: testGrasps, teach: testTeaching, lookAlikes: testLookAlikes, cells: testCells };
+const views = { catalogue: testCatalogue, grasps: testGrasps, teach: testTeaching, lookAlikes: testLookAlikes, cells: testCells };
 
 try {
   for (const [view, run] of Object.entries(views)) {
