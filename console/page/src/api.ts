@@ -6,6 +6,8 @@ import { CatalogService, type UploadViewsRequestSchema, type UploadViewsResponse
 import { CellService } from "../gen/graspdb/v1/cell_service_pb";
 import { ObjectHistoryService } from "../gen/graspdb/v1/object_history_service_pb";
 import { RecognitionService } from "../gen/graspdb/v1/recognition_service_pb";
+import { UploadService, type WriteUploadViewsRequestSchema } from "../gen/graspdb/v1/upload_service_pb";
+import type { Status } from "../gen/google/rpc/status_pb";
 import { ViewDetail, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
 import type { Cell } from "../gen/graspdb/v1/cell_pb";
 import { BadRequestSchema, ErrorInfoSchema } from "../gen/google/rpc/error_details_pb";
@@ -29,18 +31,19 @@ const transport = createConnectTransport({
 export const catalog = createClient(CatalogService, transport);
 export const cells = createClient(CellService, transport);
 export const objectHistory = createClient(ObjectHistoryService, transport);
+export const uploads = createClient(UploadService, transport);
 export const recognition = createClient(RecognitionService, transport);
 
 // A call of a method that takes a stream of requests, with one of them. The library has no such calls, since browsers cannot
 // send bodies that go on; a body with one message is that of a method with a stream of responses.
 async function callWithOne<I extends DescMessage, O extends DescMessage>(
-  method: DescMethodStreaming<I, O>, request: MessageInitShape<I>,
+  method: DescMethodStreaming<I, O>, request: MessageInitShape<I>, signal?: AbortSignal,
 ): Promise<MessageShape<O>> {
   async function* one(): AsyncGenerator<MessageInitShape<I>> {
     yield create(method.input, request);
   }
   const asStream = { ...method, methodKind: "server_streaming" as const };
-  const response = await transport.stream(asStream, undefined, undefined, undefined, one());
+  const response = await transport.stream(asStream, signal, undefined, undefined, one());
   let last: MessageShape<O> | undefined;
   for await (const message of response.message) last = message;
   if (!last) throw new ConnectError("the server sent no response", Code.Internal);
@@ -50,6 +53,19 @@ async function callWithOne<I extends DescMessage, O extends DescMessage>(
 // Teaches one view, which is durable then.
 export const uploadView = (request: MessageInitShape<typeof UploadViewsRequestSchema>): Promise<UploadViewsResponse> =>
   callWithOne(CatalogService.method.uploadViews, request);
+
+// The error that a message has, as one that a call ends with.
+function errorOf(status: Status): ConnectError {
+  const out = new ConnectError(status.message, status.code as Code);
+  out.details = status.details.map((each) => ({ type: each.typeUrl.slice(each.typeUrl.lastIndexOf("/") + 1), value: each.value }));
+  return out;
+}
+
+// Sends one view to a bulk upload. Throws where it cannot be taught, too.
+export async function writeUploadView(request: MessageInitShape<typeof WriteUploadViewsRequestSchema>, signal: AbortSignal): Promise<void> {
+  const { error } = await callWithOne(UploadService.method.writeUploadViews, request, signal);
+  if (error) throw errorOf(error);
+}
 
 async function allPages<R extends { nextPageToken: string }, T>(
   page: (pageToken: string) => Promise<R>, records: (response: R) => T[], most: number,

@@ -8,7 +8,7 @@ import { HealthView } from "./health_view";
 import { LookAlikeView } from "./look_alike_view";
 import type { Scan } from "./scan";
 import { SceneView } from "./scene_view";
-import { TeachView } from "./teach_view";
+import { TeachPage } from "./teach_page";
 
 const banner = h("div", { className: "banner", role: "alert", hidden: true });
 function report(error: Explained | undefined): void {
@@ -42,7 +42,7 @@ const openScan = (scan: Scan): void => {
 };
 const catalogue = new CatalogueView(report, openScan, (stablePose) => grasps.choose(stablePose), () => showRevision());
 const grasps = new GraspView(report);
-const teach = new TeachView(report);
+const teach = new TeachPage(report);
 const lookAlikes = new LookAlikeView(report);
 const cells = new CellView(report, openScan);
 const views = { scene, catalogue, grasps, teach, lookAlikes, cells, health };

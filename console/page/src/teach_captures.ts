@@ -25,7 +25,7 @@ export interface Captures {
 
 const baseName = (path: string): string => path.slice(path.lastIndexOf("/") + 1);
 const hasFaces = async (file: File): Promise<boolean> => /^element face [1-9]/m.test(await file.slice(0, 64 * 1024).text());
-const isMesh = async (file: File): Promise<boolean> => /\.(stl|obj)$/i.test(file.name) || (/\.ply$/i.test(file.name) && await hasFaces(file));
+export const isMesh = async (file: File): Promise<boolean> => /\.(stl|obj)$/i.test(file.name) || (/\.ply$/i.test(file.name) && await hasFaces(file));
 const isFrame = (file: File): boolean => /\.(pcd|ply|png)$/i.test(file.name);
 
 // The first stable pose of a set that has captures among the files.
@@ -39,9 +39,6 @@ function fromSet(set: CaptureSet, files: File[]): { chosen: CaptureSet["captures
 // The captures in dropped files: of captures.json, if it is among them, else one for each point file or depth image, by
 // name. Throws where there are none.
 export async function readCaptures(files: File[]): Promise<Captures> {
-  if ((await Promise.all(files.map(isMesh))).includes(true)) {
-    throw new Error("the page does not render meshes; teach one with: graspdb teach OBJECT --mesh FILE --unit mm");
-  }
   const intrinsics = files.filter((each) => /\.json$/i.test(each.name) && each.name !== "captures.json");
   const read = (file: File): Promise<Scan> => readScan([file, ...intrinsics]);
   const setFile = files.find((each) => each.name === "captures.json");
@@ -97,7 +94,7 @@ export function shownPoints(scan: Scan, sensorPose: Pose | undefined, objectPose
 }
 
 // Made from the content, as `graspdb` makes it, so that the same capture is taught once.
-export async function viewIdOf(scan: Scan): Promise<string> {
+export async function viewIdOf(scan: Pick<Scan, "message">): Promise<string> {
   const bytes = scan.message.case === "cloud" ? scan.message.value.data : toBinary(DepthImageSchema, scan.message.value);
   const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes as Uint8Array<ArrayBuffer>));
   return [...digest.subarray(0, 10)].map((each) => each.toString(16).padStart(2, "0")).join("");

@@ -8,7 +8,7 @@ import { h, replace } from "./dom";
 import type { Points } from "./geometry";
 import { boxOf, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
 import { readCaptures, shownPoints, turnedPose, viewIdOf, type Captures } from "./teach_captures";
-import { deleteDraft, makeDraft, releaseDraft } from "./teach_draft";
+import { deleteDrafts, makeDraft, releaseDraft } from "./teach_draft";
 import { count, lastPart } from "./text";
 import { axesObject, cloudObject, emptyPane, heightObject, styleColor, Viewer } from "./viewer";
 
@@ -40,11 +40,8 @@ export class TeachView {
   private isBusy = false;
   private drawing = 0;
 
-  constructor(private readonly report: (error: Explained | undefined) => void) {
-    const input = h("input", {
-      type: "file", id: "teach-files", multiple: true, accept: ".pcd,.ply,.png,.json,.stl,.obj",
-      onchange: () => void this.open([...(input.files ?? [])]),
-    });
+  // `drop`: the element that takes files, whose owner opens them.
+  constructor(private readonly report: (error: Explained | undefined) => void, drop: HTMLElement) {
     const field = (element: HTMLElement, label: string, unit = ""): HTMLElement => h("div", { className: "field" },
       h("label", { for: element.id }, label), element, unit !== "" && h("span", { className: "unit" }, unit));
     const form = h("form", {
@@ -61,18 +58,9 @@ export class TeachView {
     field(this.step, "step, counter-clockwise", "°"), field(this.x, "axis at x", "mm"), field(this.y, "axis at y", "mm"),
     this.captureList, this.storeButton);
     this.element = h("div", { className: "scene teach" },
-      h("aside", { "aria-label": "Captures" },
-        h("label", { className: "drop", for: input.id }, h("strong", {}, "Drop captures or choose them"),
-          h("span", {}, "PCD, PLY, 16-bit PNG with intrinsics.json, or captures.json with its clouds"), input), form),
+      h("aside", { "aria-label": "Captures" }, drop, form),
       h("div", { className: "stage" }, this.title, this.viewer.element),
       h("aside", { className: "right", "aria-label": "Draft" }, this.progress, this.panel));
-    for (const kind of ["dragover", "drop"]) {
-      this.element.addEventListener(kind, (event) => {
-        event.preventDefault();
-        const files = [...((event as DragEvent).dataTransfer?.files ?? [])];
-        if (kind === "drop" && files.length > 0) void this.open(files);
-      });
-    }
     this.updatePanel();
   }
 
@@ -107,7 +95,7 @@ export class TeachView {
     }
   }
 
-  private open(files: File[]): Promise<void> {
+  open(files: File[]): Promise<void> {
     return this.attempt(async () => {
       this.report(undefined);
       this.files = await readCaptures(files);
@@ -176,10 +164,10 @@ export class TeachView {
       if (Number.isFinite(step) && files.captures.some((_, i) => !this.sensorPose(i))) {
         throw new Error("a turntable needs the sensor's pose: choose the cell, or drop files that have it");
       }
-      this.draft = await makeDraft({
+      ({ draft: this.draft } = await makeDraft({
         objectId: this.object.value, displayName: this.displayName.value, stablePoseId: this.pose.value,
         symmetryOrder: Number.isInteger(symmetry) ? symmetry! : 1, grasps: files.stablePose?.grasps ?? [],
-      });
+      }));
       for (const [i, { scan }] of files.captures.entries()) {
         replace(this.progress, `${i + 1} of ${files.captures.length}: ${scan.name}`);
         try {
@@ -231,7 +219,7 @@ export class TeachView {
       this.refusals.length > 0 && h("div", { className: "advice", role: "alert" }, h("p", {}, h("strong", {}, `${this.refusals.length} refused:`)),
         this.refusals.map(([name, error]) => h("p", {}, `${name}: ${error.title}, ${error.text}`, error.advice !== "" && h("span", {}, " ", h("strong", {}, "Next step: "), error.advice)))),
       h("button", { type: "button", className: "primary", disabled: this.stored.length === 0, onclick: () => void this.end(releaseDraft, "is released: cells recognise it.") }, "Release"),
-      h("p", {}, h("button", { type: "button", onclick: () => void this.end(deleteDraft, "is deleted.") }, "Delete the draft")),
+      h("p", {}, h("button", { type: "button", onclick: () => void this.end((draft) => deleteDrafts([draft]), "is deleted.") }, "Delete the draft")),
       this.stored.map((each) => h("p", { className: "hint" }, `${lastPart(each.name)}: ${count(each.pointCount)} points${each.objectPoseEstimated ? ", pose estimated" : ""}`)));
   }
 

@@ -125,5 +125,7 @@ export async function testCatalogue({ page, folder, step, picture, checkRules, c
   await done.getByText("handle is deleted for good.").waitFor();
   assert.deepEqual(await deleted(), []);
   assert.equal(await listed.count(), 0);
+  await button("Stable pose").click();
+  await page.getByRole("heading", { name: "Grasps" }).waitFor();
   refused.push(400, 409);
 }

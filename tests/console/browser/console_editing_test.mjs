@@ -7,6 +7,7 @@ import { testCatalogue } from "./catalogue_steps.mjs";
 import { testCells } from "./cell_steps.mjs";
 import { testGrasps } from "./grasp_steps.mjs";
 import { testLookAlikes } from "./look_alike_steps.mjs";
+import { testMesh } from "./mesh_steps.mjs";
 import { brokenRules, openPage } from "./page.mjs";
 import { stopAll, taughtServer, temporaryFolder } from "./programs.mjs";
 import { testTeaching } from "./teach_steps.mjs";
@@ -44,7 +45,7 @@ const test = {
     return answer;
   },
 };
-const views = { catalogue: testCatalogue, grasps: testGrasps, teach: testTeaching, lookAlikes: testLookAlikes, cells: testCells };
+const views = { catalogue: testCatalogue, grasps: testGrasps, teach: testTeaching, mesh: testMesh, lookAlikes: testLookAlikes, cells: testCells };
 
 try {
   for (const [view, run] of Object.entries(views)) {
