@@ -5,7 +5,7 @@ import { vertexAt, type TriangleMesh } from "./triangle_mesh";
 
 // Neighbours whose normals differ less are one facet, rad: the single precision of mesh files.
 const coplanar = 2e-4;
-const maxFaces = 40_000;
+const maxFaces = 200_000;
 const minVolume = 1e-8;  // share of the cube of the diameter: less is a plane with rounding errors
 const flatText = "the mesh has no convex hull, as when it is flat; give it a thickness";
 
@@ -61,7 +61,7 @@ export function hullOf(mesh: TriangleMesh): ConvexHull {
   if (faces.length > maxFaces) throw new Error("the mesh is round in too fine steps; simplify it, or use graspdb teach OBJECT --mesh FILE");
   const planes = planesOf(faces);
   const corners = new Set<Vector3>();
-  const facets: HullFacet[] = Array.from({ length: Math.max(...planes) + 1 }, () => ({ normal: new Vector3(), offset: 0, triangles: [], edges: [] }));
+  const facets: HullFacet[] = Array.from({ length: planes.reduce((most, each) => Math.max(most, each), 0) + 1 }, () => ({ normal: new Vector3(), offset: 0, triangles: [], edges: [] }));
   const place = new Map(faces.map((face, i) => [face, i]));
   faces.forEach((face, i) => {
     const facet = facets[planes[i]!]!;
