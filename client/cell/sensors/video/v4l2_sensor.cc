@@ -215,12 +215,13 @@ class V4l2Sensor : public DepthSensor {
       NoteIncomplete(counts.status());
       return;
     }
+    is_incomplete_ = false;
     SensorFrame frame = {.scan = files::DepthMessage(*counts, camera_, unit_m_)};
     SetTime(time, frame);
     frames_->Put(std::move(frame));
   }
 
-  // Logs the first.
+  // Logs the first of a series.
   void NoteIncomplete(const absl::Status& why) {
     if (std::exchange(is_incomplete_, true)) return;
     spdlog::warn("event=incomplete_images camera={} error={}", LogField(name_),
