@@ -79,6 +79,16 @@ function details(detection: Detection): HTMLElement {
     graspTable(detection), candidateTable(detection), alternativeTable(detection));
 }
 
+// What an unknown object resembles most: the candidate that was verified best.
+function closest(detection: Detection): HTMLElement | false {
+  const verified = detection.candidates.filter((each) => each.verificationScore !== undefined);
+  if (detection.object !== "" || verified.length === 0) return false;
+  const best = verified.reduce((a, b) => (b.verificationScore! > a.verificationScore! ? b : a));
+  const [, object, , stablePose] = best.view.split("/");
+  return h("p", { className: "closest" }, "Closest: ", h("strong", {}, object), `, ${stablePose}. `,
+    `Its aligned model and the scan agree to ${(100 * best.verificationScore!).toFixed(0)} %.`);
+}
+
 function detectionCard(detection: Detection, isSelected: boolean, select: () => void): HTMLElement {
   const advice = adviceOfStatus(detection.status);
   const gate = adviceOfGate(detection);
@@ -86,6 +96,7 @@ function detectionCard(detection: Detection, isSelected: boolean, select: () => 
     h("button", { type: "button", className: "head", "aria-expanded": isSelected, onclick: select },
       h("span", { className: "name" }, objectName(detection)), h("span", { className: "status" }, statusName(detection.status)),
       bar(detection.score, `score ${score(detection.score)}`), h("span", { className: "number" }, score(detection.score))),
+    closest(detection),
     adviceText(statusName(detection.status), advice),
     gate !== undefined && adviceText(gateName(detection), gate),
     isSelected && details(detection));

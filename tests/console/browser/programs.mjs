@@ -53,17 +53,23 @@ export async function bundleBytes(work, out, json) {
   return Buffer.concat([Buffer.from("GBB\x01"), toBinary(BundleSchema, fromJson(BundleSchema, json))]);
 }
 
-// A server with taught parts, a scene of the first one, and the console. `graspdb` runs the command line at this server.
+// A server that has taught nothing, and the console. `graspdb` runs the command line at this server.
+export async function emptyServer(bin, folder) {
+  mkdirSync(join(folder, "backups"));
+  const server = await start(join(bin, "graspdb-server"),
+    ["--db", join(folder, "db"), "--listen", "127.0.0.1:0", "--backup-dir", join(folder, "backups")], "listening on ");
+  const graspdb = (...args) => execFileSync(join(bin, "graspdb"), ["--server", server, ...args], { stdio: ["ignore", "pipe", "pipe"] }).toString();
+  const url = await start(join(bin, "graspdb"), ["--server", server, "console", "--listen", "127.0.0.1:0"], "console on ");
+  return { url, graspdb };
+}
+
+// The same with taught parts, and a scene of the first one.
 export async function taughtServer(bin, folder, parts) {
   const at = (name) => join(folder, name);
-  mkdirSync(at("backups"));
-  const server = await start(join(bin, "graspdb-server"),
-    ["--db", at("db"), "--listen", "127.0.0.1:0", "--backup-dir", at("backups")], "listening on ");
-  const graspdb = (...args) => execFileSync(join(bin, "graspdb"), ["--server", server, ...args], { stdio: ["ignore", "pipe", "pipe"] }).toString();
+  const { url, graspdb } = await emptyServer(bin, folder);
   graspdb("simulate", "--parts", parts.join(","), "--step", "30", "--seed", "7", "--out", at("teach"));
   graspdb("import", at("teach"));
   graspdb("simulate", "--parts", parts[0], "--random", "1", "--seed", "8", "--out", at("scenes"));
-  const url = await start(join(bin, "graspdb"), ["--server", server, "console", "--listen", "127.0.0.1:0"], "console on ");
   const scene = readdirSync(at("scenes/clouds")).find((name) => name.endsWith(".pcd"));
   return { url, graspdb, scene: at(`scenes/clouds/${scene}`), revision: JSON.parse(graspdb("status", "--json")).catalogRevision };
 }
