@@ -1,10 +1,10 @@
 // The view of the server's state, and of how long its answers to this page took.
 import type { CacheStatus, CatalogStatus } from "../gen/graspdb/v1/catalog_service_pb";
 import type { DiskSpace } from "../gen/graspdb/v1/server_state_pb";
-import { catalog, explain, type Explained } from "./api";
-import type { Answer } from "./answer";
-import { bar, facts, h, replace, table } from "./dom";
-import { bytes, count, duration, milliseconds } from "./text";
+import { catalog, explain, type Explained } from "./base/api";
+import type { Answer } from "./scene/answer";
+import { bar, facts, h, replace, table } from "./base/dom";
+import { bytes, count, duration, milliseconds } from "./base/text";
 
 const renewMs = 5000;
 

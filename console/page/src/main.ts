@@ -1,14 +1,14 @@
 // The page: its views, one at a time.
-import { explain, setToken, catalog, type Explained } from "./api";
-import { CatalogueView } from "./catalogue_view";
-import { CellView } from "./cell_view";
-import { h, replace } from "./dom";
-import { GraspView } from "./grasp_view";
+import { explain, setToken, catalog, type Explained } from "./base/api";
+import { CatalogueView } from "./catalogue/catalogue_view";
+import { CellView } from "./cells/cell_view";
+import { h, replace } from "./base/dom";
+import { GraspView } from "./grasps/grasp_view";
 import { HealthView } from "./health_view";
-import { LookAlikeView } from "./look_alike_view";
-import type { Scan } from "./scan";
-import { SceneView } from "./scene_view";
-import { TeachPage } from "./teach_page";
+import { LookAlikeView } from "./catalogue/look_alike_view";
+import type { Scan } from "./files/scan";
+import { SceneView } from "./scene/scene_view";
+import { TeachPage } from "./teach/teach_page";
 
 const banner = h("div", { className: "banner", role: "alert", hidden: true });
 function report(error: Explained | undefined): void {

@@ -9,7 +9,7 @@ const kName = "cells/press-3";
 
 // A frame of the scene as a bundle, answered by the server.
 async function recorded({ work, folder, scene, call }, number, pipeline) {
-  const { readPcd } = await pageModule(work, "point_file", folder);
+  const { readPcd } = await pageModule(work, "files/point_file", folder);
   const { cloud } = readPcd(readFileSync(scene));
   const fields = ["x", "y", "z"].map((name, i) => ({ name, offset: 4 * i, type: "NUMERIC_TYPE_FLOAT32" }));
   const request = {

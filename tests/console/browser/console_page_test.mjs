@@ -35,7 +35,7 @@ async function withIdentities() {
 
 // The scene as a PLY file and as a depth image with its camera.
 async function otherFiles(scene) {
-  const { readPcd } = await pageModule(work, "point_file", folder);
+  const { readPcd } = await pageModule(work, "files/point_file", folder);
   const { cloud } = readPcd(readFileSync(scene));
   const values = new Float32Array(cloud.data.buffer, cloud.data.byteOffset, cloud.data.byteLength / 4);
   const { width } = cloud;

@@ -7,10 +7,10 @@ import { bundleBytes, pageModule, temporaryFolder } from "./programs.mjs";
 
 const work = resolve(process.argv[2]);
 const out = temporaryFolder();
-const { readPcd, readPly, decompress } = await pageModule(work, "point_file", out);
-const { readDepthPng, readIntrinsics, depthImage } = await pageModule(work, "depth_file", out);
-const { readBundle } = await pageModule(work, "bundle_file", out);
-const { pointsOfCloud, pointsOfDepth } = await pageModule(work, "geometry", out);
+const { readPcd, readPly, decompress } = await pageModule(work, "files/point_file", out);
+const { readDepthPng, readIntrinsics, depthImage } = await pageModule(work, "files/depth_file", out);
+const { readBundle } = await pageModule(work, "files/bundle_file", out);
+const { pointsOfCloud, pointsOfDepth } = await pageModule(work, "base/geometry", out);
 
 const points = [[0.1, -0.2, 0.9], [0.5, 0.25, 1.5], [NaN, NaN, NaN]];
 const text = new TextEncoder();

@@ -16,7 +16,7 @@ for (const needed of [chromium, frame]) {
 }
 mkdirSync(out, { recursive: true });
 
-// A basket of thin wire. A camera with structured light sees through much of it.
+// Of the basket the camera measured the near side and a part of the rim.
 const { url, graspdb } = await emptyServer(bin, temporaryFolder());
 graspdb("teach", "basket", "--mesh", join(frames, "meshes/basket.ply"), "--unit", "mm");
 const { browser, page, faults } = await openPage(work, chromium, url, "dark");

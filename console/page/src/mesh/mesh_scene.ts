@@ -1,9 +1,9 @@
 // What the view for teaching from a mesh draws: the mesh, its stable poses, and their views.
 import { Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, Vector3, type Group } from "three";
 import type { Grasp } from "../../gen/graspdb/v1/catalog_pb";
-import { matrixOf } from "../geometry";
-import { boxOf } from "../stable_pose_points";
-import { axesObject, cloudObject, gripperObject, handleObject, heightObject, linesObject, styleColor, type Pane } from "../viewer";
+import { matrixOf } from "../base/geometry";
+import { boxOf } from "../catalogue/stable_pose_points";
+import { axesObject, cloudObject, gripperObject, handleObject, heightObject, linesObject, styleColor, type Pane } from "../base/viewer";
 import type { MeshView } from "./mesh_views";
 import type { MeshStablePose } from "./stable_poses";
 import { boundsOf, type TriangleMesh } from "./triangle_mesh";

@@ -2,10 +2,10 @@
 import { Code, ConnectError } from "@connectrpc/connect";
 import { Matrix4 } from "three";
 import type { Grasp, StablePose } from "../../gen/graspdb/v1/catalog_pb";
-import { listViews, uploads, writeUploadView } from "../api";
-import { between, poseOf } from "../geometry";
-import { viewIdOf } from "../teach_captures";
-import { deleteDrafts, makeDraft } from "../teach_draft";
+import { listViews, uploads, writeUploadView } from "../base/api";
+import { between, poseOf } from "../base/geometry";
+import { viewIdOf } from "../teach/teach_captures";
+import { deleteDrafts, makeDraft } from "../teach/teach_draft";
 import { regionOf, type MeshView } from "./mesh_views";
 import type { MeshStablePose } from "./stable_poses";
 import { transformed, type TriangleMesh } from "./triangle_mesh";

@@ -4,7 +4,7 @@ import { create } from "@bufbuild/protobuf";
 import { Matrix4, Vector3 } from "three";
 import type { Cell } from "../../gen/graspdb/v1/cell_pb";
 import { DepthImageSchema, type AxisAlignedBox, type DepthImage } from "../../gen/graspdb/v1/geometry_pb";
-import { matrixOf, type Points } from "../geometry";
+import { matrixOf, type Points } from "../base/geometry";
 import { DepthCamera, intrinsics, lookAt, maxDepth, minDepth, randomBits, type DepthFrame } from "./depth_camera";
 import type { MeshStablePose } from "./stable_poses";
 import { transformed, type TriangleMesh } from "./triangle_mesh";

@@ -2,7 +2,7 @@
 import { create } from "@bufbuild/protobuf";
 import { Matrix4, Vector3 } from "three";
 import { GraspSchema, type Grasp } from "../../gen/graspdb/v1/catalog_pb";
-import { poseOf } from "../geometry";
+import { poseOf } from "../base/geometry";
 import { areaOf, boundsOf, forEachTriangle, type TriangleMesh } from "./triangle_mesh";
 
 // A gripper with two parallel fingers, metres.

@@ -1,6 +1,6 @@
 // A small picture of a view: the part of its depth image that shows the object.
 import type { DepthImage } from "../../gen/graspdb/v1/geometry_pb";
-import { h } from "../dom";
+import { h } from "../base/dom";
 import type { Seen } from "./mesh_views";
 
 const size = 72;

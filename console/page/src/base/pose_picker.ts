@@ -1,5 +1,5 @@
 // Chooses a stable pose: an object, and one of its stable poses.
-import type { Object$ as CatalogObject, StablePose } from "../gen/graspdb/v1/catalog_pb";
+import type { Object$ as CatalogObject, StablePose } from "../../gen/graspdb/v1/catalog_pb";
 import { listObjects, listStablePoses } from "./api";
 import { h, replace } from "./dom";
 import { lastPart } from "./text";

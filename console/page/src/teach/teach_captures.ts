@@ -1,10 +1,10 @@
 // Captures for teaching: the frames in dropped files, and where the object was in each.
 import { fromJsonString, toBinary } from "@bufbuild/protobuf";
 import { Matrix4 } from "three";
-import { CaptureSetSchema, Capture_Split, type CaptureSet, type CapturedStablePose } from "../gen/graspdb/v1/capture_set_pb";
-import { DepthImageSchema, type AxisAlignedBox, type Pose } from "../gen/graspdb/v1/geometry_pb";
-import { matrixOf, moved, poseOf, type Points } from "./geometry";
-import { readScan, type Scan } from "./scan";
+import { CaptureSetSchema, Capture_Split, type CaptureSet, type CapturedStablePose } from "../../gen/graspdb/v1/capture_set_pb";
+import { DepthImageSchema, type AxisAlignedBox, type Pose } from "../../gen/graspdb/v1/geometry_pb";
+import { matrixOf, moved, poseOf, type Points } from "../base/geometry";
+import { readScan, type Scan } from "../files/scan";
 
 const maxCaptures = 100;
 

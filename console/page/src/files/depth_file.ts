@@ -1,6 +1,6 @@
 // A depth image: PNG of one channel with 16 bits. Browsers decode to 8 bits, so that it is read here.
 import { create } from "@bufbuild/protobuf";
-import { DepthImageSchema, type CameraIntrinsics, type DepthImage } from "../gen/graspdb/v1/geometry_pb";
+import { DepthImageSchema, type CameraIntrinsics, type DepthImage } from "../../gen/graspdb/v1/geometry_pb";
 
 const maxPixels = 16_000_000;
 

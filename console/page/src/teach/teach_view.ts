@@ -1,16 +1,16 @@
 // Teaching from captures: they are drawn, stored as a draft, drawn as the server has them, and released.
 import { Matrix4 } from "three";
-import type { Cell } from "../gen/graspdb/v1/cell_pb";
-import type { StablePose, View } from "../gen/graspdb/v1/catalog_pb";
-import type { AxisAlignedBox, Pose } from "../gen/graspdb/v1/geometry_pb";
-import { explain, listCells, listViews, uploadView, type Explained } from "./api";
-import { h, replace } from "./dom";
-import type { Points } from "./geometry";
-import { boxOf, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
+import type { Cell } from "../../gen/graspdb/v1/cell_pb";
+import type { StablePose, View } from "../../gen/graspdb/v1/catalog_pb";
+import type { AxisAlignedBox, Pose } from "../../gen/graspdb/v1/geometry_pb";
+import { explain, listCells, listViews, uploadView, type Explained } from "../base/api";
+import { h, replace } from "../base/dom";
+import type { Points } from "../base/geometry";
+import { boxOf, pointsInObjectFrame, viewsToDraw } from "../catalogue/stable_pose_points";
 import { readCaptures, shownPoints, turnedPose, viewIdOf, type Captures } from "./teach_captures";
 import { deleteDrafts, makeDraft, releaseDraft } from "./teach_draft";
-import { count, lastPart } from "./text";
-import { axesObject, cloudObject, emptyPane, heightObject, styleColor, Viewer } from "./viewer";
+import { count, lastPart } from "../base/text";
+import { axesObject, cloudObject, emptyPane, heightObject, styleColor, Viewer } from "../base/viewer";
 
 const maxViews = 500;
 

@@ -1,13 +1,13 @@
 // Everything that an answer has, and why it is as it is.
 import { toJsonString } from "@bufbuild/protobuf";
-import { WorldFrameSource, type Detection, type StageReport } from "../gen/graspdb/v1/recognition_pb";
-import { RecognizeResponseSchema } from "../gen/graspdb/v1/recognition_service_pb";
-import type { Pose, Vector3 } from "../gen/graspdb/v1/geometry_pb";
-import type { Advice } from "../gen/errors";
+import { WorldFrameSource, type Detection, type StageReport } from "../../gen/graspdb/v1/recognition_pb";
+import { RecognizeResponseSchema } from "../../gen/graspdb/v1/recognition_service_pb";
+import type { Pose, Vector3 } from "../../gen/graspdb/v1/geometry_pb";
+import type { Advice } from "../../gen/errors";
 import { adviceOfGate, adviceOfStatus, gateName, isOfPoints, lostAt, objectName, statusName, taughtGrasp, tone, type Answer } from "./answer";
-import { bar, facts, h, table } from "./dom";
-import { between } from "./geometry";
-import { count, lastPart, milliseconds, millimetres, score, shortName } from "./text";
+import { bar, facts, h, table } from "../base/dom";
+import { between } from "../base/geometry";
+import { count, lastPart, milliseconds, millimetres, score, shortName } from "../base/text";
 
 const adviceText = (name: string, advice: Advice | undefined): HTMLElement | false =>
   advice !== undefined && h("div", { className: "advice" },

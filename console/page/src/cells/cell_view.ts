@@ -2,16 +2,16 @@
 import { clone, create, equals } from "@bufbuild/protobuf";
 import { Code, ConnectError } from "@connectrpc/connect";
 import { Group, Matrix4, Vector3, type Box3, type Object3D } from "three";
-import { CellSchema, type Cell } from "../gen/graspdb/v1/cell_pb";
-import type { AxisAlignedBox, Pose } from "../gen/graspdb/v1/geometry_pb";
-import { cells as cellService, explain, listCells, type Explained } from "./api";
+import { CellSchema, type Cell } from "../../gen/graspdb/v1/cell_pb";
+import type { AxisAlignedBox, Pose } from "../../gen/graspdb/v1/geometry_pb";
+import { cells as cellService, explain, listCells, type Explained } from "../base/api";
 import { boxOfNumbers, BoxFields, draggedBox, PoseFields } from "./cell_fields";
-import { facts, h, replace } from "./dom";
-import { matrixOf, moved, poseOf, poseOfNumbers } from "./geometry";
-import { readScan, type Scan } from "./scan";
-import { boxOf } from "./stable_pose_points";
-import { count, lastPart } from "./text";
-import { axesObject, emptyPane, heightObject, linesObject, styleColor, Viewer, type DragMode } from "./viewer";
+import { facts, h, replace } from "../base/dom";
+import { matrixOf, moved, poseOf, poseOfNumbers } from "../base/geometry";
+import { readScan, type Scan } from "../files/scan";
+import { boxOf } from "../catalogue/stable_pose_points";
+import { count, lastPart } from "../base/text";
+import { axesObject, emptyPane, heightObject, linesObject, styleColor, Viewer, type DragMode } from "../base/viewer";
 
 const maxFrames = 20;
 const colors = { region: "#5b8def", workspace: "#2fbf71" };

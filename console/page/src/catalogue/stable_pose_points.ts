@@ -1,8 +1,8 @@
 // The points of a stable pose: those of its views, in the frame of the object.
 import { Box3, Vector3 } from "three";
-import type { View } from "../gen/graspdb/v1/catalog_pb";
-import { fullView } from "./api";
-import { matrixOf, moved, pointsOfCloud, type Points } from "./geometry";
+import type { View } from "../../gen/graspdb/v1/catalog_pb";
+import { fullView } from "../base/api";
+import { matrixOf, moved, pointsOfCloud, type Points } from "../base/geometry";
 
 export const maxDrawnViews = 36;
 

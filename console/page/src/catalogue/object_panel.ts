@@ -1,10 +1,10 @@
 // What there is to see and to do about an object as a whole: labels, release, history, deletion and the way back.
-import { EditKind, type ObjectRevision, type ResourceEdit } from "../gen/graspdb/v1/object_history_service_pb";
-import { ReleaseState, type Object$ as CatalogObject } from "../gen/graspdb/v1/catalog_pb";
-import { objectHistory } from "./api";
+import { EditKind, type ObjectRevision, type ResourceEdit } from "../../gen/graspdb/v1/object_history_service_pb";
+import { ReleaseState, type Object$ as CatalogObject } from "../../gen/graspdb/v1/catalog_pb";
+import { objectHistory } from "../base/api";
 import { deleteObject, purge, releaseObject, restore, saveLabels, undelete, type Edit } from "./catalogue_edits";
-import { facts, h, replace } from "./dom";
-import { count, lastPart, utc } from "./text";
+import { facts, h, replace } from "../base/dom";
+import { count, lastPart, utc } from "../base/text";
 
 const pageSize = 50;
 

@@ -1,7 +1,7 @@
 // The view for teaching: from captures, or from a mesh, by what is dropped.
-import type { Explained } from "./api";
-import { h, replace } from "./dom";
-import { MeshTeachView } from "./mesh/mesh_view";
+import type { Explained } from "../base/api";
+import { h, replace } from "../base/dom";
+import { MeshTeachView } from "../mesh/mesh_view";
 import { isMesh } from "./teach_captures";
 import { TeachView } from "./teach_view";
 

@@ -1,8 +1,8 @@
 // A draft in the catalogue: a stable pose that only cells with drafts recognise, until it is released.
 import { Code, ConnectError } from "@connectrpc/connect";
-import { ReleaseState, type Grasp, type StablePose } from "../gen/graspdb/v1/catalog_pb";
-import type { Pose } from "../gen/graspdb/v1/geometry_pb";
-import { catalog } from "./api";
+import { ReleaseState, type Grasp, type StablePose } from "../../gen/graspdb/v1/catalog_pb";
+import type { Pose } from "../../gen/graspdb/v1/geometry_pb";
+import { catalog } from "../base/api";
 
 // `meshPose`: T_object_mesh of a mesh.
 export interface DraftRequest { objectId: string; displayName: string; stablePoseId: string; symmetryOrder: number; grasps: Grasp[]; meshPose?: Pose }

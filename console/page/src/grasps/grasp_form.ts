@@ -1,8 +1,8 @@
 // The fields of one grasp, as a form.
 import { clone, create } from "@bufbuild/protobuf";
-import { GraspSchema, Grasp_FreeTurnSchema, type Grasp } from "../gen/graspdb/v1/catalog_pb";
-import { h } from "./dom";
-import { numbersOfPose, poseLabels, poseOfNumbers } from "./geometry";
+import { GraspSchema, Grasp_FreeTurnSchema, type Grasp } from "../../gen/graspdb/v1/catalog_pb";
+import { h } from "../base/dom";
+import { numbersOfPose, poseLabels, poseOfNumbers } from "../base/geometry";
 
 const rounded = (value: number): string => String(Math.round(value * 100) / 100);
 const titles: Record<string, string> = {

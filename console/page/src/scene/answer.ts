@@ -1,11 +1,11 @@
 // One answer of the server to a scan.
-import { RecognitionStatus, RejectionGateSchema, type Detection, type GraspProposal, type StageReport } from "../gen/graspdb/v1/recognition_pb";
-import type { Grasp } from "../gen/graspdb/v1/catalog_pb";
-import type { RecognizeResponse } from "../gen/graspdb/v1/recognition_service_pb";
-import { gates, statuses, type Advice } from "../gen/errors";
+import { RecognitionStatus, RejectionGateSchema, type Detection, type GraspProposal, type StageReport } from "../../gen/graspdb/v1/recognition_pb";
+import type { Grasp } from "../../gen/graspdb/v1/catalog_pb";
+import type { RecognizeResponse } from "../../gen/graspdb/v1/recognition_service_pb";
+import { gates, statuses, type Advice } from "../../gen/errors";
 import type { Parameters } from "./parameters";
-import type { Scan } from "./scan";
-import { lastPart } from "./text";
+import type { Scan } from "../files/scan";
+import { lastPart } from "../base/text";
 
 export interface Answer {
   number: number;

@@ -1,16 +1,16 @@
 // Stable poses that recognition may confuse, and minimum scores proposed from the taught views.
 import { Code, ConnectError } from "@connectrpc/connect";
 import { Matrix4 } from "three";
-import type { StablePose } from "../gen/graspdb/v1/catalog_pb";
-import type { LookAlikePair, StablePoseSymmetry } from "../gen/graspdb/v1/look_alikes_pb";
-import type { FindLookAlikesResponse } from "../gen/graspdb/v1/recognition_service_pb";
-import type { ThresholdProposal } from "../gen/graspdb/v1/thresholds_pb";
-import { catalog, explain, listObjects, listViews, recognition, type Explained } from "./api";
-import { h, replace } from "./dom";
-import { matrixOf, moved, type Points } from "./geometry";
+import type { StablePose } from "../../gen/graspdb/v1/catalog_pb";
+import type { LookAlikePair, StablePoseSymmetry } from "../../gen/graspdb/v1/look_alikes_pb";
+import type { FindLookAlikesResponse } from "../../gen/graspdb/v1/recognition_service_pb";
+import type { ThresholdProposal } from "../../gen/graspdb/v1/thresholds_pb";
+import { catalog, explain, listObjects, listViews, recognition, type Explained } from "../base/api";
+import { h, replace } from "../base/dom";
+import { matrixOf, moved, type Points } from "../base/geometry";
 import { boxOf, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
-import { lastPart, millimetres, score, shortName } from "./text";
-import { axesObject, cloudObject, emptyPane, styleColor, Viewer } from "./viewer";
+import { lastPart, millimetres, score, shortName } from "../base/text";
+import { axesObject, cloudObject, emptyPane, styleColor, Viewer } from "../base/viewer";
 
 const maxViews = 500;
 const otherColor = "#f08a24";

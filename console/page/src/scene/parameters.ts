@@ -1,11 +1,11 @@
 // The settings of a request, as a form.
 import { create } from "@bufbuild/protobuf";
-import { AxisAlignedBoxSchema, type AxisAlignedBox } from "../gen/graspdb/v1/geometry_pb";
-import { PipelineParametersSchema, type Cell, type PipelineParameters } from "../gen/graspdb/v1/cell_pb";
-import type { RecognizeRequest } from "../gen/graspdb/v1/recognition_service_pb";
-import type { Camera } from "./depth_file";
-import { h, replace } from "./dom";
-import { lastPart } from "./text";
+import { AxisAlignedBoxSchema, type AxisAlignedBox } from "../../gen/graspdb/v1/geometry_pb";
+import { PipelineParametersSchema, type Cell, type PipelineParameters } from "../../gen/graspdb/v1/cell_pb";
+import type { RecognizeRequest } from "../../gen/graspdb/v1/recognition_service_pb";
+import type { Camera } from "../files/depth_file";
+import { h, replace } from "../base/dom";
+import { lastPart } from "../base/text";
 
 // `region`: of the request; `searched`: that one, or the cell's, if known.
 export interface Parameters {

@@ -2,16 +2,16 @@
 import { create, type DescMessage, type DescMethodStreaming, type MessageInitShape, type MessageShape } from "@bufbuild/protobuf";
 import { Code, ConnectError, createClient, type Interceptor } from "@connectrpc/connect";
 import { createConnectTransport } from "@connectrpc/connect-web";
-import { CatalogService, type UploadViewsRequestSchema, type UploadViewsResponse } from "../gen/graspdb/v1/catalog_service_pb";
-import { CellService } from "../gen/graspdb/v1/cell_service_pb";
-import { ObjectHistoryService } from "../gen/graspdb/v1/object_history_service_pb";
-import { RecognitionService } from "../gen/graspdb/v1/recognition_service_pb";
-import { UploadService, type WriteUploadViewsRequestSchema } from "../gen/graspdb/v1/upload_service_pb";
-import type { Status } from "../gen/google/rpc/status_pb";
-import { ViewDetail, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
-import type { Cell } from "../gen/graspdb/v1/cell_pb";
-import { BadRequestSchema, ErrorInfoSchema } from "../gen/google/rpc/error_details_pb";
-import { codes, reasons } from "../gen/errors";
+import { CatalogService, type UploadViewsRequestSchema, type UploadViewsResponse } from "../../gen/graspdb/v1/catalog_service_pb";
+import { CellService } from "../../gen/graspdb/v1/cell_service_pb";
+import { ObjectHistoryService } from "../../gen/graspdb/v1/object_history_service_pb";
+import { RecognitionService } from "../../gen/graspdb/v1/recognition_service_pb";
+import { UploadService, type WriteUploadViewsRequestSchema } from "../../gen/graspdb/v1/upload_service_pb";
+import type { Status } from "../../gen/google/rpc/status_pb";
+import { ViewDetail, type Object$ as CatalogObject, type StablePose, type View } from "../../gen/graspdb/v1/catalog_pb";
+import type { Cell } from "../../gen/graspdb/v1/cell_pb";
+import { BadRequestSchema, ErrorInfoSchema } from "../../gen/google/rpc/error_details_pb";
+import { codes, reasons } from "../../gen/errors";
 
 // In memory only: neither a cookie nor the browser's storage has it.
 let token = "";

@@ -1,8 +1,8 @@
 // Fields of a cell that may be absent: poses and boxes, as forms.
 import { create } from "@bufbuild/protobuf";
-import { AxisAlignedBoxSchema, type AxisAlignedBox, type Pose } from "../gen/graspdb/v1/geometry_pb";
-import { h } from "./dom";
-import { numbersOfPose, poseLabels, poseOfNumbers } from "./geometry";
+import { AxisAlignedBoxSchema, type AxisAlignedBox, type Pose } from "../../gen/graspdb/v1/geometry_pb";
+import { h } from "../base/dom";
+import { numbersOfPose, poseLabels, poseOfNumbers } from "../base/geometry";
 
 const smallest = 0.001;  // m, of a box
 

@@ -1,11 +1,11 @@
 // The frame that is recognised.
-import type { DepthImage, PointCloud, Pose } from "../gen/graspdb/v1/geometry_pb";
-import { RecognitionStatus } from "../gen/graspdb/v1/recognition_pb";
-import type { RecognizeRequest, RecognizeResponse } from "../gen/graspdb/v1/recognition_service_pb";
-import type { Bundle } from "../gen/graspdb/v1/bundle_pb";
+import type { DepthImage, PointCloud, Pose } from "../../gen/graspdb/v1/geometry_pb";
+import { RecognitionStatus } from "../../gen/graspdb/v1/recognition_pb";
+import type { RecognizeRequest, RecognizeResponse } from "../../gen/graspdb/v1/recognition_service_pb";
+import type { Bundle } from "../../gen/graspdb/v1/bundle_pb";
 import { readBundle } from "./bundle_file";
 import { depthImage, readDepthPng, readIntrinsics, type Camera } from "./depth_file";
-import { pointsOfCloud, pointsOfDepth, type Points } from "./geometry";
+import { pointsOfCloud, pointsOfDepth, type Points } from "../base/geometry";
 import { maxFileBytes, readPcd, readPly } from "./point_file";
 
 // What a black box stored with a frame.

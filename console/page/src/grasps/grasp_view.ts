@@ -2,15 +2,15 @@
 import { clone, create, equals } from "@bufbuild/protobuf";
 import { Code, ConnectError } from "@connectrpc/connect";
 import { Group, Matrix4, Vector3, type Box3 } from "three";
-import { GraspSchema, type Grasp, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
-import { catalog, explain, listViews, type Explained } from "./api";
-import { h, replace } from "./dom";
-import { matrixOf, poseOf, type Points } from "./geometry";
+import { GraspSchema, type Grasp, type StablePose, type View } from "../../gen/graspdb/v1/catalog_pb";
+import { catalog, explain, listViews, type Explained } from "../base/api";
+import { h, replace } from "../base/dom";
+import { matrixOf, poseOf, type Points } from "../base/geometry";
 import { GraspForm } from "./grasp_form";
-import { PosePicker } from "./pose_picker";
-import { boxOf, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
-import { lastPart, millimetres } from "./text";
-import { axesObject, emptyPane, gripperObject, handleObject, heightObject, linesObject, styleColor, Viewer, type DragMode } from "./viewer";
+import { PosePicker } from "../base/pose_picker";
+import { boxOf, pointsInObjectFrame, viewsToDraw } from "../catalogue/stable_pose_points";
+import { lastPart, millimetres } from "../base/text";
+import { axesObject, emptyPane, gripperObject, handleObject, heightObject, linesObject, styleColor, Viewer, type DragMode } from "../base/viewer";
 
 const maxViews = 500;
 const graspColor = "#f08a24";

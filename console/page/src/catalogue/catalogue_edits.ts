@@ -1,11 +1,11 @@
 // Changes of the catalogue that its view offers. Those that take something away or that cells notice need a confirmation. Each
 // resolves with what was done in words; undefined: it was declined. An etag guards each record that is shown: where another one
 // has changed it meanwhile, the server refuses (ABORTED).
-import { ReleaseState, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
-import type { ObjectRevision } from "../gen/graspdb/v1/object_history_service_pb";
-import { catalog, objectHistory } from "./api";
-import { confirmed } from "./confirm";
-import { lastPart, shortName, utc } from "./text";
+import { ReleaseState, type Object$ as CatalogObject, type StablePose, type View } from "../../gen/graspdb/v1/catalog_pb";
+import type { ObjectRevision } from "../../gen/graspdb/v1/object_history_service_pb";
+import { catalog, objectHistory } from "../base/api";
+import { confirmed } from "../base/confirm";
+import { lastPart, shortName, utc } from "../base/text";
 
 export type Edit = () => Promise<string | undefined>;
 

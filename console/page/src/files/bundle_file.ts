@@ -1,6 +1,6 @@
 // Bundles of a cell's black box: the bytes "GBB" and 1, then the message.
 import { fromBinary } from "@bufbuild/protobuf";
-import { BundleSchema, type Bundle } from "../gen/graspdb/v1/bundle_pb";
+import { BundleSchema, type Bundle } from "../../gen/graspdb/v1/bundle_pb";
 
 const head = [0x47, 0x42, 0x42];  // GBB
 const version = 1;

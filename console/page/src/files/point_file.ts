@@ -1,6 +1,6 @@
 // Files of points, as a cloud of the contract: PCD (ascii, binary, binary_compressed) and PLY (ascii, binary).
 import { create } from "@bufbuild/protobuf";
-import { PackedElementField_NumericType as NumericType, PointCloudSchema, PoseSchema, type PointCloud, type Pose } from "../gen/graspdb/v1/geometry_pb";
+import { PackedElementField_NumericType as NumericType, PointCloudSchema, PoseSchema, type PointCloud, type Pose } from "../../gen/graspdb/v1/geometry_pb";
 
 export const maxFileBytes = 256 * 1024 * 1024;
 export const maxPoints = 4_000_000;

@@ -1,17 +1,17 @@
 // The view of one scene: a scan, what was recognised in it, and why.
 import { Box3, Group, Matrix4, Vector3, type Object3D } from "three";
-import { WorldFrameSource } from "../gen/graspdb/v1/recognition_pb";
-import type { RecognizeResponse } from "../gen/graspdb/v1/recognition_service_pb";
-import { cells, listCells, recognition, type Explained, explain } from "./api";
+import { WorldFrameSource } from "../../gen/graspdb/v1/recognition_pb";
+import type { RecognizeResponse } from "../../gen/graspdb/v1/recognition_service_pb";
+import { cells, listCells, recognition, type Explained, explain } from "../base/api";
 import { objectName, statusName, taughtGrasp, tone, type Answer } from "./answer";
 import { answerPanel, comparison } from "./answer_panel";
-import { h, replace } from "./dom";
-import { matrixOf, moved, type Points } from "./geometry";
+import { h, replace } from "../base/dom";
+import { matrixOf, moved, type Points } from "../base/geometry";
 import { givenOf, ParameterForm } from "./parameters";
-import { readScan, type Recorded, type Scan } from "./scan";
-import { pointsInObjectFrame } from "./stable_pose_points";
-import { lastPart, milliseconds } from "./text";
-import { axesObject, boxObject, cloudObject, emptyPane, gripperObject, heightObject, styleColor, Viewer, type Pane } from "./viewer";
+import { readScan, type Recorded, type Scan } from "../files/scan";
+import { pointsInObjectFrame } from "../catalogue/stable_pose_points";
+import { lastPart, milliseconds } from "../base/text";
+import { axesObject, boxObject, cloudObject, emptyPane, gripperObject, heightObject, styleColor, Viewer, type Pane } from "../base/viewer";
 
 const maxAnswers = 12;
 const maxGrasps = 24;

@@ -1,15 +1,15 @@
 // The view of the catalogue: objects with the deleted ones, their stable poses in 3D, and their views.
 import { Matrix4, Vector3 } from "three";
-import { ReleaseState, type Object$ as CatalogObject, type StablePose, type View } from "../gen/graspdb/v1/catalog_pb";
-import { explain, fullView, listDeletedObjects, listObjects, listStablePoses, listViews, type Explained } from "./api";
+import { ReleaseState, type Object$ as CatalogObject, type StablePose, type View } from "../../gen/graspdb/v1/catalog_pb";
+import { explain, fullView, listDeletedObjects, listObjects, listStablePoses, listViews, type Explained } from "../base/api";
 import { deletePose, deleteView, releasePose, type Edit } from "./catalogue_edits";
-import { facts, h, replace, table } from "./dom";
-import { matrixOf } from "./geometry";
+import { facts, h, replace, table } from "../base/dom";
+import { matrixOf } from "../base/geometry";
 import { ObjectPanel } from "./object_panel";
-import { cloudScan, type Scan } from "./scan";
+import { cloudScan, type Scan } from "../files/scan";
 import { boxOf, maxDrawnViews, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
-import { lastPart, millimetres, shortName, utc } from "./text";
-import { axesObject, cloudObject, emptyPane, gripperObject, handleObject, heightObject, linesObject, styleColor, Viewer } from "./viewer";
+import { lastPart, millimetres, shortName, utc } from "../base/text";
+import { axesObject, cloudObject, emptyPane, gripperObject, handleObject, heightObject, linesObject, styleColor, Viewer } from "../base/viewer";
 
 const maxObjects = 2000;
 const maxListedViews = 500;

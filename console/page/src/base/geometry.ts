@@ -1,7 +1,7 @@
 // Poses of the contract for three.js, and points out of its messages.
 import { create } from "@bufbuild/protobuf";
 import { Euler, Matrix4, Quaternion, Vector3 } from "three";
-import { PackedElementField_NumericType as NumericType, PoseSchema, type DepthImage, type PointCloud, type Pose } from "../gen/graspdb/v1/geometry_pb";
+import { PackedElementField_NumericType as NumericType, PoseSchema, type DepthImage, type PointCloud, type Pose } from "../../gen/graspdb/v1/geometry_pb";
 
 export function matrixOf(pose: Pose | undefined): Matrix4 {
   if (!pose) return new Matrix4();
