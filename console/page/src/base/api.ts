@@ -106,8 +106,11 @@ export function fullView(name: string): Promise<View> {
 
 export interface Explained { title: string; text: string; advice: string; requestId: string; needsToken: boolean }
 
-// An error with the advice of docs/errors.md.
-export function explain(error: unknown): Explained {
+// An error with the advice of docs/errors.md. `title`: of one that the page itself made.
+export function explain(error: unknown, title = ""): Explained {
+  if (title !== "" && error instanceof Error && error.constructor === Error) {
+    return { title, text: error.message, advice: "", requestId: "", needsToken: false };
+  }
   const e = ConnectError.from(error);
   const name = Code[e.code].replace(/([a-z])([A-Z])/g, "$1_$2").toUpperCase().replace(/^CANCELED$/, "CANCELLED");
   const reason = e.findDetails(ErrorInfoSchema)[0]?.reason ?? "";

@@ -49,3 +49,13 @@ export function bar(share: number, label: string): HTMLElement {
   out.setAttribute("aria-label", label);
   return out;
 }
+
+// Passes files on that are dropped on the element.
+export function takeDrops(element: HTMLElement, open: (files: File[]) => void): void {
+  element.addEventListener("dragover", (event) => event.preventDefault());
+  element.addEventListener("drop", (event) => {
+    event.preventDefault();
+    const files = [...(event.dataTransfer?.files ?? [])];
+    if (files.length > 0) open(files);
+  });
+}

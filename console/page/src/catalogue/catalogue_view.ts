@@ -1,7 +1,8 @@
 // The view of the catalogue: objects with the deleted ones, their stable poses in 3D, and their views.
 import { Matrix4, Vector3 } from "three";
 import { ReleaseState, type Object$ as CatalogObject, type StablePose, type View } from "../../gen/graspdb/v1/catalog_pb";
-import { explain, fullView, listDeletedObjects, listObjects, listStablePoses, listViews, type Explained } from "../base/api";
+import { fullView, listDeletedObjects, listObjects, listStablePoses, listViews, type Explained } from "../base/api";
+import { attempt } from "../base/attempt";
 import { deletePose, deleteView, releasePose, type Edit } from "./catalogue_edits";
 import { facts, h, replace, table } from "../base/dom";
 import { matrixOf } from "../base/geometry";
@@ -105,12 +106,8 @@ export class CatalogueView {
     else this.viewer.draw();
   }
 
-  private async attempt(action: () => Promise<void>): Promise<void> {
-    try {
-      await action();
-    } catch (error) {
-      this.report(explain(error));
-    }
+  private attempt(action: () => Promise<void>): Promise<void> {
+    return attempt(this.report, action);
   }
 
   private updateObjects(): void {

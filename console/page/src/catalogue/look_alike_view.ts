@@ -5,7 +5,8 @@ import type { StablePose } from "../../gen/graspdb/v1/catalog_pb";
 import type { LookAlikePair, StablePoseSymmetry } from "../../gen/graspdb/v1/look_alikes_pb";
 import type { FindLookAlikesResponse } from "../../gen/graspdb/v1/recognition_service_pb";
 import type { ThresholdProposal } from "../../gen/graspdb/v1/thresholds_pb";
-import { catalog, explain, listObjects, listViews, recognition, type Explained } from "../base/api";
+import { catalog, listObjects, listViews, recognition, type Explained } from "../base/api";
+import { attempt } from "../base/attempt";
 import { h, replace } from "../base/dom";
 import { matrixOf, moved, type Points } from "../base/geometry";
 import { boxOf, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
@@ -78,12 +79,8 @@ export class LookAlikeView {
     void this.attempt(() => this.draw(false));
   }
 
-  private async attempt(action: () => Promise<void>): Promise<void> {
-    try {
-      await action();
-    } catch (error) {
-      this.report(explain(error));
-    }
+  private attempt(action: () => Promise<void>): Promise<void> {
+    return attempt(this.report, action);
   }
 
   private async find(): Promise<void> {

@@ -4,9 +4,10 @@ import { Code, ConnectError } from "@connectrpc/connect";
 import { Group, Matrix4, Vector3, type Box3, type Object3D } from "three";
 import { CellSchema, type Cell } from "../../gen/graspdb/v1/cell_pb";
 import type { AxisAlignedBox, Pose } from "../../gen/graspdb/v1/geometry_pb";
-import { cells as cellService, explain, listCells, type Explained } from "../base/api";
+import { cells as cellService, listCells, type Explained } from "../base/api";
+import { attempt } from "../base/attempt";
 import { boxOfNumbers, BoxFields, draggedBox, PoseFields } from "./cell_fields";
-import { facts, h, replace } from "../base/dom";
+import { facts, h, replace, takeDrops } from "../base/dom";
 import { matrixOf, moved, poseOf, poseOfNumbers } from "../base/geometry";
 import { readScan, type Scan } from "../files/scan";
 import { boxOf } from "../catalogue/stable_pose_points";
@@ -84,13 +85,7 @@ export class CellView {
         this.region.element, this.workspace.element, this.camera.element, this.flange.element, this.base.element,
         h("div", { className: "field" }, h("label", { for: "cell-labels" }, "labels, separated by commas"), this.labels),
         h("div", { className: "field" }, h("label", { for: "cell-drafts" }, "recognises drafts"), this.drafts), this.pipeline));
-    for (const kind of ["dragover", "drop"]) {
-      this.element.addEventListener(kind, (event) => {
-        event.preventDefault();
-        const files = [...((event as DragEvent).dataTransfer?.files ?? [])];
-        if (kind === "drop" && files.length > 0) void this.open(files);
-      });
-    }
+    takeDrops(this.element, (files) => void this.open(files));
   }
 
   opened(): void {
@@ -102,13 +97,8 @@ export class CellView {
     this.draw(false);
   }
 
-  private async attempt(action: () => Promise<void>): Promise<void> {
-    try {
-      await action();
-    } catch (error) {
-      this.report(error instanceof Error && error.constructor === Error
-        ? { title: "This cannot be used", text: error.message, advice: "", requestId: "", needsToken: false } : explain(error));
-    }
+  private attempt(action: () => Promise<void>): Promise<void> {
+    return attempt(this.report, action, "This cannot be used");
   }
 
   private async load(name: string): Promise<void> {

@@ -4,6 +4,7 @@ import { Code, ConnectError } from "@connectrpc/connect";
 import { Group, Matrix4, Vector3, type Box3 } from "three";
 import { GraspSchema, type Grasp, type StablePose, type View } from "../../gen/graspdb/v1/catalog_pb";
 import { catalog, explain, listViews, type Explained } from "../base/api";
+import { attempt } from "../base/attempt";
 import { h, replace } from "../base/dom";
 import { matrixOf, poseOf, type Points } from "../base/geometry";
 import { GraspForm } from "./grasp_form";
@@ -82,12 +83,8 @@ export class GraspView {
     this.draw(false);
   }
 
-  private async attempt(action: () => Promise<void>): Promise<void> {
-    try {
-      await action();
-    } catch (error) {
-      this.report(explain(error));
-    }
+  private attempt(action: () => Promise<void>): Promise<void> {
+    return attempt(this.report, action);
   }
 
   private isChanged(): boolean {

@@ -3,10 +3,12 @@ import { Code, ConnectError } from "@connectrpc/connect";
 import { Matrix4, Vector3, type Box3 } from "three";
 import type { StablePose } from "../../gen/graspdb/v1/catalog_pb";
 import type { Cell } from "../../gen/graspdb/v1/cell_pb";
-import { explain, listCells, type Explained } from "../base/api";
+import { listCells, type Explained } from "../base/api";
+import { attempt } from "../base/attempt";
+import { showCells } from "../base/cell_options";
 import { bar, facts, h, replace } from "../base/dom";
 import { deleteDrafts, releaseDraft } from "../teach/teach_draft";
-import { count, lastPart } from "../base/text";
+import { count } from "../base/text";
 import { emptyPane, Viewer } from "../base/viewer";
 import { fittingUnits, largestSideOf, lengthUnits, readMesh, type MeshFile } from "./mesh_file";
 import { drawMesh, drawPoses, drawViews, percent, type Choice } from "./mesh_scene";
@@ -85,10 +87,8 @@ export class MeshTeachView {
   opened(): void {
     this.viewer.draw();
     void this.attempt(async () => {
-      const before = this.cell.value;
       this.cells = await listCells(1000);
-      replace(this.cell, h("option", { value: "" }, "none"), this.cells.map((each) => h("option", { value: each.name }, lastPart(each.name))));
-      this.cell.value = this.cells.some((each) => each.name === before) ? before : "";
+      showCells(this.cell, this.cells);
       this.updateButtons();
     });
   }
@@ -110,14 +110,8 @@ export class MeshTeachView {
     });
   }
 
-  private async attempt(action: () => Promise<void>): Promise<void> {
-    try {
-      await action();
-    } catch (error) {
-      if (error instanceof Cancelled) return;
-      this.report(error instanceof Error && error.constructor === Error
-        ? { title: "This cannot be taught", text: error.message, advice: "", requestId: "", needsToken: false } : explain(error));
-    }
+  private attempt(action: () => Promise<void>): Promise<void> {
+    return attempt(this.report, action, "This cannot be taught");
   }
 
   // Runs long work with a progress bar, one at a time. It awaits `pause` often: the page then draws, and Cancel ends it. `share`: below 0
@@ -140,6 +134,8 @@ export class MeshTeachView {
         drawn = performance.now();
       }
       if (stop.signal.aborted) throw new Cancelled();
+    }).catch((error: unknown) => {
+      if (!(error instanceof Cancelled)) throw error;
     }));
     if (stop !== this.stop) return;
     this.stop = undefined;

@@ -4,7 +4,8 @@ import { AxisAlignedBoxSchema, type AxisAlignedBox } from "../../gen/graspdb/v1/
 import { PipelineParametersSchema, type Cell, type PipelineParameters } from "../../gen/graspdb/v1/cell_pb";
 import type { RecognizeRequest } from "../../gen/graspdb/v1/recognition_service_pb";
 import type { Camera } from "../files/depth_file";
-import { h, replace } from "../base/dom";
+import { h } from "../base/dom";
+import { showCells } from "../base/cell_options";
 import { lastPart } from "../base/text";
 
 // `region`: of the request; `searched`: that one, or the cell's, if known.
@@ -88,11 +89,8 @@ export class ParameterForm {
   }
 
   setCells(cells: Cell[]): void {
-    const chosen = this.wanted || this.cell.value;
     this.cells = cells;
-    replace(this.cell, h("option", { value: "" }, "none"),
-      cells.map((cell) => h("option", { value: cell.name }, lastPart(cell.name))));
-    this.cell.value = cells.some((cell) => cell.name === chosen) ? chosen : "";
+    showCells(this.cell, cells, this.wanted || this.cell.value);
     this.wanted = "";
   }
 

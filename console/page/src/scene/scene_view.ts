@@ -3,9 +3,10 @@ import { Box3, Group, Matrix4, Vector3, type Object3D } from "three";
 import { WorldFrameSource } from "../../gen/graspdb/v1/recognition_pb";
 import type { RecognizeResponse } from "../../gen/graspdb/v1/recognition_service_pb";
 import { cells, listCells, recognition, type Explained, explain } from "../base/api";
+import { attempt } from "../base/attempt";
 import { objectName, statusName, taughtGrasp, tone, type Answer } from "./answer";
 import { answerPanel, comparison } from "./answer_panel";
-import { h, replace } from "../base/dom";
+import { h, replace, takeDrops } from "../base/dom";
 import { matrixOf, moved, type Points } from "../base/geometry";
 import { givenOf, ParameterForm } from "./parameters";
 import { readScan, type Recorded, type Scan } from "../files/scan";
@@ -73,13 +74,7 @@ export class SceneView {
       h("div", { className: "stage" },
         h("fieldset", { className: "layers" }, h("legend", {}, "Layers"), layerBoxes), this.viewer.element),
       h("aside", { className: "right", "aria-label": "Answer" }, this.panel));
-    for (const kind of ["dragover", "drop"]) {
-      this.element.addEventListener(kind, (event) => {
-        event.preventDefault();
-        const files = [...((event as DragEvent).dataTransfer?.files ?? [])];
-        if (kind === "drop" && files.length > 0) void this.open(files);
-      });
-    }
+    takeDrops(this.element, (files) => void this.open(files));
     replace(this.panel, h("p", { className: "hint" },
       "Drop a scan, or open a stored view from the catalogue, and recognise it."));
   }
@@ -158,9 +153,7 @@ export class SceneView {
       await this.drawAll(isFirst);
       requestAnimationFrame(() => performance.measure("an answer is drawn", { start: answered }));
     } catch (error) {
-      this.report(error instanceof Error && error.constructor === Error
-        ? { title: "These parameters cannot be used", text: error.message, advice: "", requestId: "", needsToken: false }
-        : explain(error));
+      this.report(explain(error, "These parameters cannot be used"));
     } finally {
       this.button.disabled = false;
       this.updateList();
@@ -171,7 +164,7 @@ export class SceneView {
   private async saveParameters(): Promise<void> {
     this.report(undefined);
     replace(this.saved);
-    try {
+    await attempt(this.report, async () => {
       const { cell: name, pipeline, region } = this.form.read();
       if (name === "") throw new Error("choose the cell");
       if (!pipeline && !region) throw new Error("give a parameter first: the cell has nothing to change");
@@ -182,10 +175,7 @@ export class SceneView {
       });
       this.form.setCells(await listCells(1000));
       replace(this.saved, `Saved: ${lastPart(name)} uses them for all of its frames.`);
-    } catch (error) {
-      this.report(error instanceof Error && error.constructor === Error
-        ? { title: "Nothing is saved", text: error.message, advice: "", requestId: "", needsToken: false } : explain(error));
-    }
+    }, "Nothing is saved");
   }
 
   // `key`: the number of an answer and a detection's index in it. That of the answer beside makes it the shown one.

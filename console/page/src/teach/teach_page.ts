@@ -1,6 +1,6 @@
 // The view for teaching: from captures, or from a mesh, by what is dropped.
 import type { Explained } from "../base/api";
-import { h, replace } from "../base/dom";
+import { h, replace, takeDrops } from "../base/dom";
 import { MeshTeachView } from "../mesh/mesh_view";
 import { isMesh } from "./teach_captures";
 import { TeachView } from "./teach_view";
@@ -23,13 +23,7 @@ export class TeachPage {
     this.captures = new TeachView(report, this.drop);
     this.shown = this.captures;
     this.element.append(this.captures.element);
-    for (const kind of ["dragover", "drop"]) {
-      this.element.addEventListener(kind, (event) => {
-        event.preventDefault();
-        const files = [...((event as DragEvent).dataTransfer?.files ?? [])];
-        if (kind === "drop" && files.length > 0) void this.open(files);
-      });
-    }
+    takeDrops(this.element, (files) => void this.open(files));
   }
 
   opened(): void {

@@ -4,6 +4,8 @@ import type { Cell } from "../../gen/graspdb/v1/cell_pb";
 import type { StablePose, View } from "../../gen/graspdb/v1/catalog_pb";
 import type { AxisAlignedBox, Pose } from "../../gen/graspdb/v1/geometry_pb";
 import { explain, listCells, listViews, uploadView, type Explained } from "../base/api";
+import { attempt } from "../base/attempt";
+import { showCells } from "../base/cell_options";
 import { h, replace } from "../base/dom";
 import type { Points } from "../base/geometry";
 import { boxOf, pointsInObjectFrame, viewsToDraw } from "../catalogue/stable_pose_points";
@@ -75,10 +77,8 @@ export class TeachView {
   opened(): void {
     this.viewer.draw();
     void this.attempt(async () => {
-      const before = this.cell.value;
       this.cells = await listCells(1000);
-      replace(this.cell, h("option", { value: "" }, "none"), this.cells.map((each) => h("option", { value: each.name }, lastPart(each.name))));
-      this.cell.value = this.cells.some((each) => each.name === before) ? before : "";
+      showCells(this.cell, this.cells);
     });
   }
 
@@ -86,13 +86,8 @@ export class TeachView {
     void this.draw(false);
   }
 
-  private async attempt(action: () => Promise<void>): Promise<void> {
-    try {
-      await action();
-    } catch (error) {
-      this.report(error instanceof Error && error.constructor === Error
-        ? { title: "This cannot be taught", text: error.message, advice: "", requestId: "", needsToken: false } : explain(error));
-    }
+  private attempt(action: () => Promise<void>): Promise<void> {
+    return attempt(this.report, action, "This cannot be taught");
   }
 
   open(files: File[]): Promise<void> {
