@@ -145,8 +145,9 @@ absl::Status ReadScan(const v1::PointCloud& cloud, const ScanRules& rules, std::
   const Place place{rules, std::string(path)};
   const int stride = cloud.point_stride();
   if (stride < rules.min_stride || stride > kMaxStride) {
-    return place.WrongField("point_stride", absl::StrCat("is ", stride, "; it must lie in ",
-                                                         rules.min_stride, " to 4096 bytes"));
+    return place.WrongField(
+        "point_stride", absl::StrCat("is ", stride, "; it must lie in ", rules.min_stride, " to ",
+                                     kMaxStride, " bytes"));
   }
   const auto step = static_cast<std::size_t>(stride);
   if (cloud.data().empty() || cloud.data().size() % step != 0) {

@@ -13,7 +13,7 @@ namespace graspdb::recognition {
 using Pixels = std::vector<std::size_t>;
 
 // The pixels that show the posed model: some millimetres beside its visible points, at most 12 mm
-// nearer or farther. `sensor_model`: T_sensor_model. O(points + pixels of their bounding box).
+// nearer or farther. `sensor_model`: T_sensor_model. O(points + pixels).
 Pixels PixelsOn(const Frame& frame, const ImageModel& model, const Eigen::Isometry3f& sensor_model);
 
 // Object pixels become explained ones.

@@ -66,25 +66,31 @@ void PrintStablePose(const v1::StablePose& pose, std::size_t views) {
   }
 }
 
+absl::Status PrintObjectJson(const v1::Object& object, const std::vector<v1::StablePose>& poses,
+                             const std::vector<std::size_t>& view_counts) {
+  std::vector<google::protobuf::Value> documents(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ASSIGN_OR_RETURN(*documents[i].mutable_struct_value(), ToDocument(poses[i]));
+    files::JsonObject(&documents[i]).Set(files::Json("viewCount", view_counts[i]));
+  }
+  ASSIGN_OR_RETURN(google::protobuf::Struct out, ToDocument(object));
+  files::JsonObject(&out).Set(files::Json("stablePoses", documents));
+  return PrintJson(out);
+}
+
 absl::Status ShowObject(const GlobalOptions& global, const std::string& id) {
   Client client = Connect(global);
   ASSIGN_OR_RETURN(v1::Object object, client.GetObject(ResourceName("objects", id)));
-  if (!global.json) PrintObject(object);
-  ASSIGN_OR_RETURN(std::vector<v1::StablePose> poses, client.ListStablePoses(object.name()));
-  std::vector<google::protobuf::Value> documents;
+  ASSIGN_OR_RETURN(const std::vector<v1::StablePose> poses, client.ListStablePoses(object.name()));
+  std::vector<std::size_t> view_counts;
   for (const v1::StablePose& pose : poses) {
-    ASSIGN_OR_RETURN(std::vector<v1::View> views, client.ListViews(pose.name()));
-    if (!global.json) {
-      PrintStablePose(pose, views.size());
-      continue;
-    }
-    ASSIGN_OR_RETURN(*documents.emplace_back().mutable_struct_value(), ToDocument(pose));
-    files::JsonObject(&documents.back()).Set(files::Json("viewCount", views.size()));
+    ASSIGN_OR_RETURN(const std::vector<v1::View> views, client.ListViews(pose.name()));
+    view_counts.push_back(views.size());
   }
-  if (!global.json) return absl::OkStatus();
-  ASSIGN_OR_RETURN(google::protobuf::Struct document, ToDocument(object));
-  files::JsonObject(&document).Set(files::Json("stablePoses", documents));
-  return PrintJson(document);
+  if (global.json) return PrintObjectJson(object, poses, view_counts);
+  PrintObject(object);
+  for (std::size_t i = 0; i < poses.size(); ++i) PrintStablePose(poses[i], view_counts[i]);
+  return absl::OkStatus();
 }
 
 absl::Status DeleteObject(const GlobalOptions& global, const std::string& id, bool force) {

@@ -24,8 +24,8 @@ namespace {
 
 // Images that the library fills while one is read.
 constexpr int kBufferCount = 4;
-// Bytes of an image, of which kBufferCount are allocated. 3D cameras have up to 5 million pixels, of
-// 12 bytes for a point and a few for its intensity and confidence.
+// Bytes of an image. 3D cameras have up to 5 million pixels, and send some 20 bytes for each: a
+// point, its intensity and its confidence.
 constexpr std::size_t kMaxImageBytes = std::size_t{128} << 20U;
 // How often the reading thread looks whether it is to end, us.
 constexpr std::uint64_t kPollUs = 100'000;

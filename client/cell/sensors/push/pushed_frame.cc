@@ -25,15 +25,10 @@ absl::Status Wrong(std::string_view field, std::string_view what) {
 constexpr files::ScanRules kRules{.wrong = &Wrong, .min_stride = kMinStride, .allows_blank = true};
 
 absl::StatusOr<files::ScanMessage> CheckedImage(const v1::DepthImage& image) {
-  {
-    recognition::Scan scan;
-    RETURN_IF_ERROR(files::ReadScan(image, kRules, "depth_image", &scan));
-  }
-  v1::DepthImage out;
-  *out.mutable_intrinsics() = files::ToMessage(files::FromMessage(image.intrinsics()));
-  out.set_depth_unit_m(image.depth_unit_m());
-  out.set_data(image.data());
-  return out;
+  recognition::Scan scan;
+  RETURN_IF_ERROR(files::ReadScan(image, kRules, "depth_image", &scan));
+  const recognition::DepthImage& read = scan.depth_image;
+  return files::DepthMessage(read.depth, read.camera, read.unit_m);
 }
 
 absl::StatusOr<files::ScanMessage> CheckedCloud(const v1::PointCloud& cloud) {
