@@ -1,16 +1,42 @@
-// What all connections of the console share.
+// What all connections of the console share, and the addresses at which browsers open it.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <set>
 #include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "console/origins.h"
+#include "absl/status/status.h"
 #include "console/page_file.h"
 #include "console/upstream.h"
 
 namespace graspdb::console {
+
+// Addresses at which browsers open the console.
+class Origins {
+ public:
+  // For one that listens at `host` and `port`. `names`: further values of Host, "console.plant" or
+  // "10.3.0.1:8443". `is_https`: whether browsers use TLS. A loopback address has its other names
+  // too.
+  Origins(std::string_view host, std::uint16_t port, const std::vector<std::string>& names,
+          bool is_https);
+
+  // PERMISSION_DENIED unless `host`, the value of Host, is one of them.
+  absl::Status CheckHost(std::string_view host) const;
+
+  // PERMISSION_DENIED unless a call is from the console's own page, or from no page: `origin` and
+  // `fetch_site` are the values of Origin and Sec-Fetch-Site, empty where there is none.
+  absl::Status CheckCall(std::string_view origin, std::string_view fetch_site) const;
+
+ private:
+  const std::string scheme_;
+  std::set<std::string, std::less<>> hosts_;
+};
 
 // What one browser, or all of them together, may take.
 struct HttpLimits {

@@ -5,10 +5,45 @@
 
 #include "absl/status/status.h"
 #include "recognition/descriptors/descriptor.h"
-#include "recognition/matching/single_view_baseline.h"
+#include "recognition/matching/matching_parameters.h"
+#include "recognition/matching/registration.h"
+#include "recognition/models/taught.h"
+#include "recognition/segmentation/segmentation.h"
 
 namespace graspdb::recognition {
 namespace {
+
+// How a view was aligned with a segment.
+struct ViewAlignment {
+  Pose rough = Pose::Identity();    // T_world_object after the shift
+  Pose refined = Pose::Identity();  // T_world_object after the alignment
+  Registration registration;
+  double score = 0;  // how well view and segment explain each other, 0 to 1
+};
+
+// Moves the view's cloud to the segment's centroid (the rough pose), refines it by ICP and judges
+// it. Errors as `clouds`.
+absl::StatusOr<ViewAlignment> AlignView(const TaughtView& view, const Segment& segment,
+                                        ViewClouds& clouds, const MatchingParameters& parameters) {
+  const auto cloud = clouds.Load(view);
+  if (!cloud.ok()) return cloud.status();
+  const Points& points = (*cloud)->points;
+  const PointSearch search(segment.cloud.points);
+  ViewAlignment out;
+  Pose shift = Pose::Identity();
+  shift.translation() = segment.centroid - Centroid(points);
+  out.rough = shift * view.world_object;
+  out.registration = Align(points, {segment.cloud, search}, shift, parameters);
+  out.refined = out.registration.target_source * view.world_object;
+
+  const Points moved = Transform(out.registration.target_source, points);
+  const double view_by_scan = Support(moved, search, parameters.support_distance_m);
+  const double scan_by_view =
+      Support(segment.cloud.points, PointSearch(moved), parameters.support_distance_m);
+  const double sum = view_by_scan + scan_by_view;
+  out.score = sum > 0 ? 2 * view_by_scan * scan_by_view / sum : 0;
+  return out;
+}
 
 void AddDeclaredTurns(const TaughtStablePose* taught, Detection* detection) {
   if (taught == nullptr) return;

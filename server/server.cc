@@ -1,14 +1,17 @@
 #include "server/server.h"
 
+#include <grpc/grpc.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
+#include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
@@ -20,7 +23,6 @@
 #include "server/backups/backup_schedule.h"
 #include "server/backups/backup_service.h"
 #include "server/backups/catalogue_backups.h"
-#include "server/builder_settings.h"
 #include "server/calls/admission.h"
 #include "server/calls/call_guard.h"
 #include "server/calls/call_places.h"
@@ -41,12 +43,42 @@
 #include "server/status/health.h"
 #include "server/status/server_state.h"
 #include "server/status/status_metrics.h"
-#include "server/status/write_watch.h"
 #include "server/uploads/upload_service.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace graspdb::server {
 namespace {
+
+// Leaves out server reflection, which its library adds to every server of the process.
+class NoReflection : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    std::erase_if(*plugins, [](const std::unique_ptr<grpc::ServerBuilderPlugin>& plugin) {
+      return plugin->name() == "proto_server_reflection";
+    });
+  }
+};
+
+// Milliseconds after which a silent client gets a ping, and after which it is taken for gone: its
+// connection is closed and its calls end. gRPC's own time is two hours.
+constexpr int kServerKeepaliveMs = 30'000;
+constexpr int kServerKeepaliveTimeoutMs = 20'000;
+// Clients may send pings this often; gRPC's own five minutes are longer than the idle time of many
+// routers.
+constexpr int kMinPingMs = 10'000;
+// For a new connection to begin with HTTP/2, after TLS if used. gRPC's own time is two minutes.
+constexpr int kHandshakeMs = 20'000;
+
+// The server to be built closes connections whose client does not answer a ping (within 50 s) and
+// those that do not begin with HTTP/2 (within 20 s), and accepts pings of its clients every 10 s.
+void EndDeadConnections(grpc::ServerBuilder& builder) {
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kServerKeepaliveMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kServerKeepaliveTimeoutMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingMs);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+}
 
 // Maximum number of waiting uploads.
 constexpr int kTeachQueue = 64;

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <fstream>
-#include <string>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
@@ -144,6 +143,23 @@ std::vector<const v1::Capture*> CapturesOf(const v1::CaptureSet& set,
     if (wanted(capture)) captures.push_back(&capture);
   }
   return captures;
+}
+
+absl::Status CaptureSetWriter::AddCloud(const std::string& path, const PointFile& cloud) {
+  const std::filesystem::path file = folder_ / path;
+  if (const auto folder = file.parent_path(); !cloud_folders_.contains(folder)) {
+    RETURN_IF_ERROR(MakeDurableFolder(folder));
+    cloud_folders_.insert(folder);
+  }
+  return WritePcd(file, cloud, Durability::kBytes);
+}
+
+absl::Status CaptureSetWriter::Finish(const v1::CaptureSet& set) {
+  // First, so that no description on the disk lacks its clouds.
+  for (const std::filesystem::path& folder : cloud_folders_) {
+    RETURN_IF_ERROR(FlushNames(folder));
+  }
+  return SaveCaptureSet(folder_, set);
 }
 
 }  // namespace graspdb::files

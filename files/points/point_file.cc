@@ -8,7 +8,6 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/points/pcd_body.h"
 #include "files/points/pcd_header.h"
 #include "files/points/pcd_points.h"
 #include "files/points/ply_file.h"

@@ -1,4 +1,4 @@
-// The fused model of a stable pose.
+// The model of a stable pose, which is fused from its views.
 #pragma once
 
 #include <memory>
@@ -6,11 +6,26 @@
 #include <utility>
 
 #include "recognition/base/types.h"
-#include "recognition/models/fusion.h"
 #include "recognition/points/nearest_grid.h"
 #include "recognition/simd/soa_cloud.h"
 
 namespace graspdb::recognition {
+
+// Edge of the cells and approximate spacing of a fused surface, m.
+inline constexpr float kFusionCellM = 0.0025F;
+
+// One view to fuse.
+struct PosedCloud {
+  std::shared_ptr<const OrientedCloud> cloud;  // world frame of its capture, m
+  Pose world_object = Pose::Identity();        // T_world_object of its capture
+};
+
+// The points of all views within a cell become one, their mean; surfaces that look into opposite
+// directions stay apart, and points that only one of many views has seen are left out as noise.
+// Each mean is then projected onto the surface of its neighbours: otherwise noise that moves points
+// of one face over the edge of a cell makes two layers. Points that coincide after that are merged.
+// Object frame, metres; empty where nothing is left. Deterministic.
+OrientedCloud Fused(std::span<const PosedCloud> views);
 
 // Approximate spacing of neighbours on one surface, in scans as in models, m.
 inline constexpr float kSurfaceSpacingM = 0.003F;
@@ -49,7 +64,7 @@ struct SurfaceModel {
   float deviation_m = 0;
 };
 
-// Fuses the views of one stable pose (fusion.h) and computes the deviation. Null without points.
+// Fuses the views of one stable pose and computes the deviation. Null without points.
 // Deterministic.
 std::shared_ptr<const SurfaceModel> FuseViews(std::span<const PosedCloud> views);
 

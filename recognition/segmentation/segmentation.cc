@@ -15,7 +15,6 @@
 #include "recognition/segmentation/outliers.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/table_pieces.h"
-#include "recognition/segmentation/table_plane.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -2,17 +2,26 @@
 
 #include <google/protobuf/util/json_util.h>
 #include <openssl/crypto.h>
+#include <openssl/rand.h>
+#include <openssl/sha.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "base/status_macros.h"
+#include "program/log/log_field.h"
 #include "program/text/json_keys.h"
-#include "server/access/tokens.h"
+#include "program/text/text_encoding.h"
 #include "storage/records/resource_name.h"
 
 namespace graspdb::server {
@@ -68,7 +77,35 @@ absl::StatusOr<v1::Identity> ParseLine(absl::string_view line) {
   return identity;
 }
 
+// At most one byte more than allowed, which the parser rejects.
+absl::StatusOr<std::string> ReadBounded(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string out(kMaxIdentitiesBytes + 1, '\0');
+  file.read(out.data(), static_cast<std::streamsize>(out.size()));
+  if (!file.is_open() || file.bad()) {
+    return absl::FailedPreconditionError(absl::StrCat("cannot read --identities ", path, " (",
+                                                      std::strerror(errno),
+                                                      "); check the path and its permissions"));
+  }
+  out.resize(static_cast<std::size_t>(file.gcount()));
+  return out;
+}
+
 }  // namespace
+
+std::string NewToken() {
+  std::array<unsigned char, 32> bits;
+  if (RAND_bytes(bits.data(), static_cast<int>(bits.size())) != 1) return "";
+  return absl::StrCat("graspdb_", absl::WebSafeBase64Escape(absl::string_view(
+                                      reinterpret_cast<const char*>(bits.data()), bits.size())));
+}
+
+std::string HashToken(std::string_view token) {
+  std::string out(kTokenHashBytes, '\0');
+  SHA256(reinterpret_cast<const unsigned char*>(token.data()), token.size(),
+         reinterpret_cast<unsigned char*>(out.data()));
+  return out;
+}
 
 absl::Status CheckIdentity(const v1::Identity& identity) {
   if (absl::Status named = storage::ValidateResourceId(identity.name()); !named.ok()) {
@@ -137,6 +174,55 @@ const v1::Identity* Identities::FindTokenHash(std::string_view sha256) const {
 const v1::Identity* Identities::FindCertificate(const std::string& name) const {
   const auto found = certificates_.find(name);
   return found == certificates_.end() ? nullptr : &identities_[found->second];
+}
+
+IdentitiesFile::IdentitiesFile(const std::string& path) : path_(path), file_({path}) {}
+
+absl::StatusOr<std::unique_ptr<IdentitiesFile>> IdentitiesFile::Open(const std::string& path) {
+  std::unique_ptr<IdentitiesFile> out(new IdentitiesFile(path));
+  RETURN_IF_ERROR(out->Load());
+  out->file_.Start([file = out.get(), last_error = std::string()]() mutable {
+    const absl::Status status = file->Load();
+    file->state_.Note(status);
+    const std::string error(status.message());
+    if (status.ok()) {
+      spdlog::info("event=identities_read file={} count={}", LogField(file->path_),
+                   file->Get()->size());
+    } else if (error != last_error) {
+      spdlog::error("event=identities_invalid error={}", LogField(error));
+    }
+    last_error = error;
+    // A revocation must not be missed because no file could be opened at that moment.
+    return status.ok();
+  });
+  return out;
+}
+
+std::shared_ptr<const Identities> IdentitiesFile::Get() const {
+  absl::MutexLock lock(&mutex_);
+  return identities_;
+}
+
+absl::Status IdentitiesFile::Load() {
+  ASSIGN_OR_RETURN(std::string text, ReadBounded(path_));
+  if (absl::Status taken = TakeUtf8(absl::StrCat("--identities ", path_), &text); !taken.ok()) {
+    return absl::FailedPreconditionError(taken.message());
+  }
+  absl::StatusOr<Identities> parsed = Identities::Parse(text);
+  if (!parsed.ok()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("--identities ", path_, ": ", parsed.status().message()));
+  }
+  // As of a file that was emptied, or is being written in place: every caller would be refused.
+  if (parsed->size() == 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("--identities ", path_,
+                     " has no identity; graspdb-server token NAME prints a line for one"));
+  }
+  auto identities = std::make_shared<const Identities>(*std::move(parsed));
+  absl::MutexLock lock(&mutex_);
+  identities_ = std::move(identities);
+  return absl::OkStatus();
 }
 
 }  // namespace graspdb::server

@@ -19,7 +19,6 @@
 #include "program/settings_file.h"
 #include "server/access/identities.h"
 #include "server/access/method_role.h"
-#include "server/access/tokens.h"
 #include "storage/base/folder_sync.h"
 #include "storage/records/resource_name.h"
 

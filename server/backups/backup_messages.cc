@@ -2,7 +2,6 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "server/base/bounded_text.h"
 #include "server/base/errors.h"
 
 namespace graspdb::server {

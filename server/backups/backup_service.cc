@@ -9,8 +9,8 @@
 #include "server/base/background.h"
 #include "server/calls/call_guard.h"
 #include "server/calls/handle.h"
-#include "server/requests/paging.h"
-#include "server/requests/write_id.h"
+#include "server/requests/record_checks.h"
+#include "server/requests/respond.h"
 
 namespace graspdb::server {
 namespace {

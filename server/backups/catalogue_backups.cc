@@ -13,7 +13,6 @@
 #include "google/protobuf/util/time_util.h"
 #include "program/log/log_field.h"
 #include "server/backups/backup_messages.h"
-#include "server/base/bounded_text.h"
 #include "server/base/errors.h"
 
 namespace graspdb::server {

@@ -3,8 +3,7 @@
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
-#include "server/base/bounded_text.h"
+#include "program/text/printable_text.h"
 
 namespace graspdb::server {
 namespace {
@@ -32,6 +31,8 @@ void AddDetail(const std::string& type_url, const absl::Status& status,
   any->set_value(std::string(*status.GetPayload(type_url)));
   if (details->ByteSizeLong() > kMaxDetailBytes) details->mutable_details()->RemoveLast();
 }
+
+constexpr std::string_view kCut = "...";
 
 }  // namespace
 
@@ -95,6 +96,24 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   const google::rpc::Status details = ToRpcStatus(status);
   return {static_cast<grpc::StatusCode>(details.code()), details.message(),
           details.SerializeAsString()};
+}
+
+std::string BoundedText(std::string_view text, std::size_t max_bytes) {
+  std::string out;
+  std::size_t cut_at = 0;  // where the mark of a cut still fits
+  while (!text.empty()) {
+    const std::size_t length = LengthOfCharacter(text);
+    const std::string_view character = length == 0 ? "?" : text.substr(0, length);
+    if (out.size() + character.size() > max_bytes) {
+      out.resize(cut_at);
+      out += kCut;
+      return out;
+    }
+    out += character;
+    if (out.size() + kCut.size() <= max_bytes) cut_at = out.size();
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  return out;
 }
 
 }  // namespace graspdb::server

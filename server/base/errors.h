@@ -48,4 +48,9 @@ grpc::Status ToGrpcStatus(const absl::Status& status);
 // The same as a message, for errors inside of a response.
 google::rpc::Status ToRpcStatus(const absl::Status& status);
 
+// `text` as valid UTF-8 of at most `max_bytes` (at least 3): invalid UTF-8 becomes '?', and longer
+// text is cut between two characters and ends in "...". Reads no more than `max_bytes` and one
+// character of it.
+std::string BoundedText(std::string_view text, std::size_t max_bytes);
+
 }  // namespace graspdb::server

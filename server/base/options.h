@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "program/metrics/metrics_server.h"
-#include "server/access/tls_files.h"
+#include "server/access/tls.h"
 
 namespace graspdb::server {
 

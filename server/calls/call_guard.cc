@@ -15,9 +15,9 @@
 #include "program/connections/peer_address.h"
 #include "program/log/log_field.h"
 #include "program/log/request_id.h"
+#include "server/access/identities.h"
 #include "server/access/method_role.h"
-#include "server/access/tokens.h"
-#include "server/base/bounded_text.h"
+#include "server/base/errors.h"
 #include "server/requests/request_limits.h"
 #include "server/requests/request_names.h"
 

@@ -23,7 +23,7 @@
 #include "absl/status/status.h"
 #include "program/connections/connection_watch.h"
 #include "server/access/audit_log.h"
-#include "server/access/identities_file.h"
+#include "server/access/identities.h"
 #include "server/base/options.h"
 #include "server/calls/call_metrics.h"
 #include "server/calls/call_places.h"

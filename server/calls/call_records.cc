@@ -10,7 +10,7 @@
 #include "absl/time/clock.h"
 #include "program/log/log_field.h"
 #include "server/access/method_role.h"
-#include "server/base/bounded_text.h"
+#include "server/base/errors.h"
 #include "server/calls/call_guard.h"
 #include "server/requests/request_limits.h"
 

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "server/base/errors.h"
-#include "server/requests/write_id.h"
+#include "server/requests/record_checks.h"
 
 namespace graspdb::server {
 namespace {

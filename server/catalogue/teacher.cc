@@ -11,8 +11,7 @@
 #include "server/base/errors.h"
 #include "server/live/records.h"
 #include "server/requests/convert.h"
-#include "server/requests/scan_from_proto.h"
-#include "server/requests/write_id.h"
+#include "server/requests/record_checks.h"
 #include "storage/base/crc32c.h"
 #include "storage/records/packed_cloud.h"
 

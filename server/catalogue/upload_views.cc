@@ -4,7 +4,6 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "server/base/background.h"
-#include "server/base/bounded_text.h"
 #include "server/base/errors.h"
 #include "server/calls/call_guard.h"
 #include "server/calls/handle.h"

@@ -7,7 +7,6 @@
 #include "server/base/errors.h"
 #include "server/recognition/answer.h"
 #include "server/requests/convert.h"
-#include "server/requests/scan_from_proto.h"
 
 namespace graspdb::server {
 namespace {

@@ -7,7 +7,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "base/status_macros.h"
-#include "server/base/bounded_text.h"
+#include "server/base/errors.h"
 #include "server/calls/call_guard.h"
 #include "server/calls/handle.h"
 #include "server/recognition/answer.h"

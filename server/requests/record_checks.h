@@ -1,4 +1,5 @@
-// Labels and release states in requests, and updates of some fields of a record (AIP-134, 161).
+// Checks of writes: labels, release states, updates of some fields (AIP-134, 161), and what a
+// repeated write is recognised by.
 #pragma once
 
 #include <google/protobuf/field_mask.pb.h>
@@ -11,11 +12,19 @@
 #include <string_view>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "server/base/errors.h"
 
 namespace graspdb::server {
+
+// In lower case; empty where the request has none. INVALID_ARGUMENT with the field unless it is a
+// UUID of version 4.
+absl::StatusOr<std::string> WriteIdFromProto(std::string_view request_id);
+
+// SHA-256 of `content`: 32 bytes.
+std::string Sha256(std::string_view content);
 
 // INVALID_ARGUMENT unless the labels are distinct and written like ids; `path` is that of the
 // field.

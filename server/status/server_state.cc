@@ -12,7 +12,6 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "program/tls/pem_files.h"
-#include "server/base/bounded_text.h"
 #include "server/base/errors.h"
 
 namespace graspdb::server {

@@ -12,7 +12,7 @@
 #include "rendering/sample_parts.h"
 #include "server/live/records.h"
 #include "server/requests/convert.h"
-#include "server/requests/write_id.h"
+#include "server/requests/record_checks.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/records/packed_cloud.h"
 #include "tests/bench/seen_parts.h"

@@ -1,7 +1,6 @@
-#include "console/origins.h"
-
 #include <gmock/gmock.h>
 
+#include "console/site.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::console {

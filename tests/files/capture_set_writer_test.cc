@@ -1,5 +1,3 @@
-#include "files/capture_sets/capture_set_writer.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "files/capture_sets/capture_set.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/watched_syncs.h"
 

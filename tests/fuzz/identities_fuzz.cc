@@ -4,7 +4,6 @@
 #include <string>
 
 #include "server/access/identities.h"
-#include "server/access/tokens.h"
 #include "tests/fuzz/bytes_target.h"
 #include "tests/fuzz/requirement.h"
 

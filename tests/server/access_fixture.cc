@@ -6,7 +6,7 @@
 
 #include "absl/time/clock.h"
 #include "graspdb/v1/identity.pb.h"
-#include "server/access/tokens.h"
+#include "server/access/identities.h"
 
 namespace graspdb::testing {
 

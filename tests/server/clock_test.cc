@@ -16,7 +16,7 @@
 #include "server/backups/backup_schedule.h"
 #include "server/backups/catalogue_backups.h"
 #include "server/history/expiry.h"
-#include "server/uploads/upload_rate.h"
+#include "server/uploads/upload_service.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/history/history.h"
 #include "storage/uploads/uploads.h"

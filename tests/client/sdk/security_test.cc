@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/sdk/client.h"
-#include "server/access/tokens.h"
+#include "server/access/identities.h"
 #include "server/server.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/certificates.h"

@@ -1,9 +1,8 @@
 // Verification of client certificates in the TLS handshake.
-#include "server/access/client_certificates.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/access/tls.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/certificates.h"
 #include "tests/testing/status_matchers.h"

@@ -8,9 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "program/base/stop_flag.h"
 #include "program/tls/watched_files.h"
-#include "server/access/identities_file.h"
 #include "server/access/method_role.h"
-#include "server/access/tokens.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

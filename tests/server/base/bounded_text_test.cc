@@ -1,6 +1,6 @@
-#include "server/base/bounded_text.h"
-
 #include <gmock/gmock.h>
+
+#include "server/base/errors.h"
 
 namespace graspdb::server {
 namespace {

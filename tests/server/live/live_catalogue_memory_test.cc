@@ -8,6 +8,7 @@
 #include <limits>
 #include <new>
 
+#include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "server/live/live_catalogue.h"
 #include "server/status/health.h"
 #include "tests/files/temporary_folder.h"
@@ -140,8 +141,11 @@ TEST_F(LiveCatalogueMemoryTest, ViewIsVisibleAfterAnyFailedAllocation) {
 
 TEST_F(LiveCatalogueMemoryTest, HealthIsNotServingUntilAFailedChangeIsInTheIndex) {
   grpc::EnableDefaultHealthCheckService(true);
+  v1::CatalogService::Service service;  // without any, gRPC starts no server
   grpc::ServerBuilder builder;
+  builder.RegisterService(&service);
   const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  ASSERT_NE(server, nullptr);
   const Health health(*live_, *server);
   const auto status = [&] {
     testing::RawCall check(server->InProcessChannel({}), "/grpc.health.v1.Health/Check");

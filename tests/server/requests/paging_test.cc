@@ -1,8 +1,7 @@
-#include "server/requests/paging.h"
-
 #include <gmock/gmock.h>
 
 #include "server/base/errors.h"
+#include "server/requests/respond.h"
 #include "tests/server/error_details.h"
 #include "tests/testing/status_matchers.h"
 

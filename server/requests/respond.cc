@@ -1,9 +1,8 @@
-#include "server/requests/paging.h"
+#include "server/requests/respond.h"
 
 #include <algorithm>
 
 #include "absl/strings/escaping.h"
-#include "server/base/errors.h"
 
 namespace graspdb::server {
 

@@ -1,4 +1,4 @@
-#include "console/origins.h"
+#include "console/site.h"
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
