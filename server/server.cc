@@ -33,10 +33,9 @@
 #include "server/history/change_service.h"
 #include "server/history/expiry.h"
 #include "server/history/object_history_service.h"
-#include "server/live/approximate_index_builder.h"
-#include "server/live/idle_task.h"
 #include "server/live/live_catalogue.h"
 #include "server/live/model_preloader.h"
+#include "server/live/upkeep.h"
 #include "server/live/view_cloud_cache.h"
 #include "server/recognition/frame_recognizer.h"
 #include "server/recognition/recognition_service.h"
@@ -144,17 +143,8 @@ struct Server::Parts {
         catalogue(std::move(catalogue_in)),
         live(std::move(live_in)),
         backups(std::move(backups_in)),
-        approximate_builder(options.index == "flann" ? std::make_unique<ApproximateIndexBuilder>(
-                                                           *catalogue, *live, parameters.descriptor)
-                                                     : nullptr),
         expiry(absl::Seconds(options.deleted_objects_kept_s)),
-        idle_task(*live,
-                  {.always = [this] { expiry.Run(*catalogue, absl::Now(), Expiry::Clock::now()); },
-                   .when_idle =
-                       [this] {
-                         if (approximate_builder == nullptr) return;
-                         approximate_builder->RebuildIfOutdated();
-                       }}),
+        upkeep(*live, [this] { expiry.Run(*catalogue, absl::Now(), Expiry::Clock::now()); }),
         request_memory(memory.requests),
         clouds(*catalogue, parameters.descriptor, memory.caches,
                [this](const std::string& view) { live->LeaveOutDamaged(view); }),
@@ -195,10 +185,9 @@ struct Server::Parts {
   std::size_t max_points;
   std::unique_ptr<storage::Catalogue> catalogue;
   std::unique_ptr<LiveCatalogue> live;
-  std::unique_ptr<CatalogueBackups> backups;                     // null: no folder for them
-  std::unique_ptr<ApproximateIndexBuilder> approximate_builder;  // null: searches are exact
-  Expiry expiry;                                                 // on the thread of idle_task
-  IdleTask idle_task;                                            // uses the members above
+  std::unique_ptr<CatalogueBackups> backups;  // null: no folder for them
+  Expiry expiry;                              // on the thread of `upkeep`
+  Upkeep upkeep;                              // uses the members above
   RequestMemory request_memory;
   ViewCloudCache clouds;
   ModelPreloader preloader;

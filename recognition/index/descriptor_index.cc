@@ -190,7 +190,7 @@ void DescriptorIndex::CodeAgain() {
 DescriptorIndex DescriptorIndex::With(std::span<const IndexedView> views) const {
   DescriptorIndex out = *this;
   out.view_count_ += views.size();
-  if (out.chunks_.size() > covered_ && out.chunks_.back()->size() < kChunkViews && !views.empty()) {
+  if (!out.chunks_.empty() && out.chunks_.back()->size() < kChunkViews && !views.empty()) {
     const DescriptorChunk& last = *out.chunks_.back();
     std::vector<IndexedView> joined = ViewsOf(last);
     const std::size_t taken = std::min(views.size(), kChunkViews - last.size());
@@ -220,16 +220,10 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
   DescriptorIndex out = *this;
   out.view_count_ = 0;
   out.chunks_.clear();
-  std::unordered_set<const TaughtView*> removed;
-  for (std::size_t c = 0; c < chunks_.size(); ++c) {
-    const Chunk& chunk = chunks_[c];
-    if (c == covered_) out.covered_ = out.chunks_.size();
+  for (const Chunk& chunk : chunks_) {
     std::vector<IndexedView> kept;
     for (std::size_t i = 0; i < chunk->size(); ++i) {
-      if (names.contains(chunk->views()[i]->name)) {
-        if (c < covered_) removed.insert(chunk->views()[i].get());
-        continue;
-      }
+      if (names.contains(chunk->views()[i]->name)) continue;
       kept.push_back({chunk->views()[i], chunk->DescriptorOf(i)});
     }
     if (kept.empty()) continue;
@@ -238,8 +232,6 @@ DescriptorIndex DescriptorIndex::Without(const std::unordered_set<std::string>& 
                               ? chunk
                               : std::make_shared<const DescriptorChunk>(kept, chunk->projection()));
   }
-  if (covered_ == chunks_.size()) out.covered_ = out.chunks_.size();
-  out.MarkDeleted(removed);
   return out;
 }
 
@@ -248,19 +240,7 @@ std::vector<Match> DescriptorIndex::Nearest(const Descriptor& descriptor, int co
   const DescriptorQuery query(descriptor);
   const auto wanted = static_cast<std::size_t>(count);
   BestMatches best(wanted);
-  std::span<const Chunk> scanned(chunks_);
-  if (approximate_ != nullptr && wanted <= ApproximateIndex::kMaxNeighbors) {
-    // Where FLANN fails, all are scanned.
-    if (const auto candidates = approximate_->FindCandidates(descriptor, *deleted_);
-        candidates.ok()) {
-      for (const std::size_t i : *candidates) {
-        const ApproximateIndex::Place& at = approximate_->places()[i];
-        best.Add(at.chunk->views()[at.row], at.chunk->Distance(query, at.row));
-      }
-      scanned = scanned.subspan(covered_);
-    }
-  }
-  Scan(scanned, descriptor, query, wanted, &best);
+  Scan(chunks_, descriptor, query, wanted, &best);
   return best.TakeSorted();
 }
 

@@ -1,5 +1,4 @@
-// Nearest neighbours among the descriptors of all views: exact, or nearly so with an
-// ApproximateIndex.
+// Nearest neighbours among the descriptors of all views.
 #pragma once
 
 #include <functional>
@@ -10,7 +9,6 @@
 #include <unordered_set>
 #include <vector>
 
-#include "recognition/index/approximate_index.h"
 #include "recognition/index/descriptor_chunk.h"
 #include "recognition/models/taught.h"
 
@@ -43,28 +41,14 @@ class DescriptorIndex {
   // Chunks, and what a filter left of them; null for nothing.
   using FilteredChunks = std::unordered_map<std::shared_ptr<const DescriptorChunk>,
                                             std::shared_ptr<const DescriptorChunk>>;
-  // An index of the views for which `is_visible` holds, without an approximate index. A search of
-  // it costs and finds what a search of an index of only these views does. `known` has the chunks
-  // of an earlier call with the same filter, which are not filtered again, and gets those of this
-  // one.
+  // An index of the views for which `is_visible` holds. A search of it costs and finds what a
+  // search of an index of only these views does. `known` has the chunks of an earlier call with the
+  // same filter, which are not filtered again, and gets those of this one.
   DescriptorIndex Filtered(const std::function<bool(const TaughtView&)>& is_visible,
                            FilteredChunks* known) const;
 
-  // The `count` nearest views, nearest first; equal distances by name. With an approximate index up
-  // to ApproximateIndex::kMaxNeighbors are the nearest of its candidates and of the views
-  // that are not in it.
+  // The `count` nearest views, nearest first; equal distances by name.
   std::vector<Match> Nearest(const Descriptor& query, int count) const;
-
-  // This index with an approximate index of some of its views, or without one where it is null.
-  // Views of it that are not here count as deleted, views that are not in it are searched exactly.
-  // With and Without keep it. O(views).
-  DescriptorIndex WithApproximate(std::shared_ptr<const ApproximateIndex> approximate) const;
-
-  // Null when there is none.
-  const std::shared_ptr<const ApproximateIndex>& approximate() const { return approximate_; }
-  // Views that are not in the approximate index, and deleted views that are in it.
-  std::size_t newer_view_count() const;
-  std::size_t deleted_view_count() const;
 
   std::size_t view_count() const { return view_count_; }
 
@@ -80,15 +64,11 @@ class DescriptorIndex {
 
   void FitProjection();
   void CodeAgain();
-  void MarkDeleted(const std::unordered_set<const TaughtView*>& removed);
 
   std::size_t bins_;
   std::size_t view_count_ = 0;
   std::shared_ptr<const RootProjection> projection_;  // of new chunks; null: there is none
   std::size_t next_fit_;                              // at this many views
-  std::shared_ptr<const ApproximateIndex> approximate_;
-  std::shared_ptr<const std::vector<bool>> deleted_;  // a flag for each view in it
-  std::size_t covered_ = 0;                           // chunks, the first ones, that are in it
   std::vector<std::shared_ptr<const DescriptorChunk>> chunks_;
 };
 

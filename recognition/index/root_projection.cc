@@ -48,26 +48,21 @@ std::shared_ptr<const RootProjection> RootProjection::Fit(
   }
   const Eigen::MatrixXf axes =
       (Hadamard() * solver.eigenvectors().rightCols(kAxes).transpose()).cast<float>();
-  return FromNumbers(
-      {{mean.data(), mean.data() + mean.size()}, {axes.data(), axes.data() + axes.size()}});
-}
-
-std::shared_ptr<const RootProjection> RootProjection::FromNumbers(Numbers numbers) {
-  if (numbers.axes.size() != kComponents * numbers.means.size()) return nullptr;
-  std::shared_ptr<RootProjection> out(new RootProjection);
-  out->numbers_ = std::move(numbers);
-  return out;
+  const auto floats = [](const auto& matrix) {
+    return std::span(matrix.data(), static_cast<std::size_t>(matrix.size()));
+  };
+  return std::shared_ptr<const RootProjection>(new RootProjection(floats(mean), floats(axes)));
 }
 
 RootProjection::Projection RootProjection::Project(std::span<const float> roots) const {
   Projection out{std::vector<float>(kComponents, 0.0F)};
   double squares = 0;
   double length = 0;
-  for (std::size_t bin = 0; bin < numbers_.means.size(); ++bin) {
-    const float off = roots[bin] - numbers_.means[bin];
+  for (std::size_t bin = 0; bin < means_.size(); ++bin) {
+    const float off = roots[bin] - means_[bin];
     squares += static_cast<double>(off) * off;
     length += static_cast<double>(roots[bin]) * roots[bin];
-    const float* axis = numbers_.axes.data() + bin * kComponents;
+    const float* axis = axes_.data() + bin * kComponents;
     for (std::size_t i = 0; i < kComponents; ++i) out.components[i] += axis[i] * off;
   }
   // A sum of n products is off by at most n + 4 half units in the last place (the difference, the
@@ -76,8 +71,8 @@ RootProjection::Projection RootProjection::Project(std::span<const float> roots)
   const double unit = std::numeric_limits<float>::epsilon();
   const double sums = std::sqrt(static_cast<double>(kComponents));
   out.rounding = static_cast<float>(
-      unit * (static_cast<double>(numbers_.means.size() + 4) * sums * std::sqrt(squares) +
-              std::sqrt(length)));
+      unit *
+      (static_cast<double>(means_.size() + 4) * sums * std::sqrt(squares) + std::sqrt(length)));
   return out;
 }
 

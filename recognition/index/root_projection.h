@@ -25,17 +25,7 @@ class RootProjection {
   // bins than components, or numbers that are not finite.
   static std::shared_ptr<const RootProjection> Fit(const std::vector<std::vector<float>>& sample);
 
-  // The numbers of a projection, to store it.
-  struct Numbers {
-    std::vector<float> means;  // of the sample, one a bin
-    std::vector<float> axes;   // kComponents values for each bin
-  };
-  const Numbers& numbers() const { return numbers_; }
-  // Null for numbers that do not fit together. The axes must be those of numbers(): whether they
-  // are orthonormal is not checked.
-  static std::shared_ptr<const RootProjection> FromNumbers(Numbers numbers);
-
-  std::size_t bins() const { return numbers_.means.size(); }
+  std::size_t bins() const { return means_.size(); }
 
   struct Projection {
     std::vector<float> components;
@@ -46,9 +36,11 @@ class RootProjection {
   Projection Project(std::span<const float> roots) const;
 
  private:
-  RootProjection() = default;
+  RootProjection(std::span<const float> means, std::span<const float> axes)
+      : means_(means.begin(), means.end()), axes_(axes.begin(), axes.end()) {}
 
-  Numbers numbers_;
+  const std::vector<float> means_;  // of the sample, one a bin
+  const std::vector<float> axes_;   // kComponents values for each bin
 };
 
 }  // namespace graspdb::recognition

@@ -127,11 +127,9 @@ void AddFlags(CLI::App& app, ServerOptions* o) {
   app.add_option("--descriptor", o->descriptor, "Descriptor that finds the views")
       ->check(CLI::IsMember(recognition::DescriptorNames()))
       ->capture_default_str();
-  app.add_option("--index", o->index,
-                 "Search for the nearest views: exact compares all views; flann compares some "
-                 "thousand, for catalogues of 100,000 views and more")
+  app.add_option("--index", o->index, "Without effect: every search is exact (ADR 42)")
       ->check(CLI::IsMember({"exact", "flann"}))
-      ->capture_default_str();
+      ->group("");  // hidden; settings of earlier versions have it
   app.add_option("--log-level", o->log_level, "Level of the log on stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();

@@ -10,17 +10,6 @@
 namespace graspdb::server {
 namespace {
 
-void SetApproximate(const recognition::DescriptorIndex& index, v1::CatalogStatus* status) {
-  const auto& approximate = index.approximate();
-  if (approximate == nullptr) return;
-  v1::ApproximateIndexStatus* out = status->mutable_approximate_index();
-  out->set_name("flann");
-  out->set_view_count(static_cast<std::int64_t>(index.view_count() - index.newer_view_count()));
-  out->set_newer_view_count(static_cast<std::int64_t>(index.newer_view_count()));
-  out->set_recall_at_10(approximate->recall_at_10());
-  out->set_byte_count(static_cast<std::int64_t>(approximate->byte_count()));
-}
-
 v1::CacheStatus UseToProto(const CacheUse& use) {
   v1::CacheStatus out;
   out.set_hit_count(use.hits);
@@ -65,7 +54,6 @@ grpc::Status CatalogService::GetCatalogStatus(grpc::ServerContext* context,
     *response->mutable_model_cache() = UseToProto(context_.clouds.model_use());
     *response->mutable_cloud_cache() = UseToProto(context_.clouds.cloud_use());
     *response->mutable_memory() = MemoryToProto(context_);
-    SetApproximate(context_.live.snapshot()->index, response);
     if (context_.backups != nullptr) *response->mutable_backup() = context_.backups->Status();
     if (context_.server_state) *response->mutable_server_state() = context_.server_state();
     // When revocations or audit records are without effect is for operators only.

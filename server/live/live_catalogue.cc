@@ -61,14 +61,6 @@ absl::Status LiveCatalogue::Load(const recognition::IsCancelled& is_cancelled) {
   return reload().status();
 }
 
-void LiveCatalogue::UseApproximate(
-    std::shared_ptr<const recognition::ApproximateIndex> approximate) {
-  absl::MutexLock lock(&change_mutex_);
-  Snapshot next = *snapshot();
-  next.index = next.index.WithApproximate(std::move(approximate));
-  Publish(std::move(next));
-}
-
 absl::StatusOr<std::vector<std::string>> LiveCatalogue::Reload() {
   TaughtPoseChange poses;
   std::vector<std::string> left_out;

@@ -70,11 +70,6 @@ class LiveCatalogue {
   // Stored views and stable poses that cannot be used; the log has their names.
   std::int64_t left_out_count() const { return left_out_count_; }
 
-  // Searches with this approximate index from now on, or exactly if it is null. Waits for a change
-  // that is being applied. O(views).
-  void UseApproximate(std::shared_ptr<const recognition::ApproximateIndex> approximate)
-      ABSL_LOCKS_EXCLUDED(change_mutex_);
-
   // Calls `work` with a snapshot. A view may be deleted between the snapshot and the loading of its
   // cloud, or left out as damaged: if `work` returns NOT_FOUND or DATA_LOSS and there is a newer
   // snapshot, it is retried.

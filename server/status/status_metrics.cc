@@ -56,19 +56,6 @@ MetricFamilies CatalogueMetrics(const StatusSources& from) {
       GaugeOf("graspdb_left_out_records",
               "Records that this server cannot use; the log has event=record_left_out.",
               {Number(from.live.left_out_count())})};
-  const auto& approximate = snapshot->index.approximate();
-  std::vector<Sample> newer;
-  std::vector<Sample> recall;
-  if (approximate != nullptr) {
-    newer.push_back(Number(snapshot->index.newer_view_count()));
-    recall.push_back(Number(approximate->recall_at_10()));
-  }
-  out.push_back(
-      GaugeOf("graspdb_approximate_index_newer_views",
-              "Views that the approximate index does not have; none without --index flann.",
-              std::move(newer)));
-  out.push_back(GaugeOf("graspdb_approximate_index_recall",
-                        "Share of the 10 nearest views that it finds, 0 to 1.", std::move(recall)));
   return out;
 }
 

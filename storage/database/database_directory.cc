@@ -9,7 +9,6 @@
 #include "absl/status/status.h"
 #include "storage/base/folder_sync.h"
 #include "storage/base/restore_advice.h"
-#include "storage/database/approximate_file.h"
 #include "storage/database/revision_floor.h"
 
 namespace graspdb::storage {
@@ -50,7 +49,7 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name == "CURRENT") return DirectoryContent::kDatabase;
-    ours |= name == kRevisionFloorFile || name == kApproximateFile;
+    ours |= name == kRevisionFloorFile;
     foreign |= !MayPrecedeDatabase(name);
   }
   if (error) return CannotRead(directory, error);
@@ -66,7 +65,7 @@ absl::StatusOr<DirectoryContent> InspectDirectory(const std::string& directory) 
 }
 
 void DeleteOldIndex(const std::string& directory) {
-  for (const char* name : {"/INDEX", "/INDEX.dbtmp"}) {
+  for (const char* name : {"/INDEX", "/INDEX.dbtmp", "/INDEX.flann", "/INDEX.flann.dbtmp"}) {
     // One that cannot be deleted only takes space.
     std::error_code ignored;
     std::filesystem::remove(directory + name, ignored);

@@ -11,7 +11,6 @@
 #include <set>
 
 #include "recognition/index/descriptor_index.h"
-#include "recognition/index/recall.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/suite.h"
 #include "tests/recognition/chi_square.h"
@@ -124,16 +123,6 @@ SearchFor OursExact(const Rows& rows) {
   };
 }
 
-SearchFor Approximate(const Rows& rows) {
-  auto index = recognition::WithNewApproximate(rows.index);
-  if (!index.ok()) return [](const Descriptor&) { return std::set<std::size_t>(); };
-  return [index = *std::move(index)](const Descriptor& query) {
-    std::set<std::size_t> out;
-    for (const auto& match : index.Nearest(query, kCount)) out.insert(PositionOf(match));
-    return out;
-  };
-}
-
 SearchFor Flann(const Rows& rows, const flann::IndexParams& kind, int checks) {
   const auto index = std::make_shared<flann::Index<flann::ChiSquareDistance<float>>>(
       flann::Matrix<float>(const_cast<float*>(rows.values.data()), rows.count, kBins), kind);
@@ -187,7 +176,6 @@ void AddSize(std::size_t count) {
     Add(work, program, rows, Lazy<SearchFor>([=] { return make(*rows); }));
   };
   add("graspdb", OursExact);
-  add("graspdb, --index flann", Approximate);
   add("FLANN linear", [](const Rows& r) { return Flann(r, flann::LinearIndexParams(), -1); });
   if (count > kMaxForPeers) return;
   add("FLANN kd-forest", [](const Rows& r) { return Flann(r, flann::KDTreeIndexParams(4), 128); });

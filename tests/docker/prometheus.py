@@ -10,8 +10,8 @@ import urllib.request
 
 LISTEN = "127.0.1.250:9090"
 TIMEOUT_S = 60
-# Without data in a plant that has neither FLANN nor TLS nor unknown objects.
-ABSENT = re.compile("graspdb_(approximate_index|certificate_end_time|unknown_objects)_")
+# Without data in a plant that has neither TLS nor unknown objects.
+ABSENT = re.compile("graspdb_(certificate_end_time|unknown_objects)_")
 
 
 def fetch(path, **parameters):

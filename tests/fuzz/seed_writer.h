@@ -26,7 +26,7 @@ void WriteFileSeeds(const SeedWriter& out);
 void WriteTextSeeds(const SeedWriter& out);
 // Requests with scans of sample parts.
 void WriteRequestSeeds(const SeedWriter& out);
-// Packed clouds, files of an approximate index, logs, records.
+// Packed clouds, logs, records.
 void WriteStorageSeeds(const SeedWriter& out);
 
 }  // namespace graspdb::fuzz

@@ -1,6 +1,5 @@
-// Bytes of the storage: packed clouds ("GPC"), files of an approximate index ("GAX"), RocksDB's
-// logs and records of backups (all others). Checksums are corrected before an input is read, so
-// that the data after them are parsed.
+// Bytes of the storage: packed clouds ("GPC"), RocksDB's logs and records of backups (all others).
+// Checksums are corrected before an input is read, so that the data after them are parsed.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,17 +7,13 @@
 #include "storage/backups/backup_record.h"
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
-#include "storage/database/approximate_file.h"
 #include "storage/database/log_check.h"
 #include "storage/records/packed_cloud.h"
 #include "tests/fuzz/bytes_target.h"
 #include "tests/fuzz/requirement.h"
-#include "tests/fuzz/scratch_folder.h"
 
 namespace graspdb::fuzz {
 namespace {
-
-constexpr std::size_t kMagicBytes = 4;
 
 void PutUint32(std::uint32_t value, std::size_t at, std::string& bytes) {
   for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (8 * i));
@@ -40,22 +35,6 @@ void ReadCloud(std::string bytes) {
   Require(again.ok() && *again == *points, "the same points after packing");
 }
 
-void ReadApproximate(std::string bytes) {
-  static const ScratchFolder folder;
-  constexpr std::size_t kRecordAt = kMagicBytes + 4;
-  if (bytes.size() >= kRecordAt) {
-    const std::string_view all = bytes;
-    const std::uint32_t start = storage::Crc32c(all.substr(0, kMagicBytes));
-    PutUint32(storage::Crc32c(all.substr(kRecordAt), start), kMagicBytes, bytes);
-  }
-  folder.Write(std::string(storage::kApproximateFile), bytes);
-  const std::string directory = folder.path().string();
-  const auto record = storage::ReadApproximateFile(directory);
-  if (!record.ok()) return;
-  Require(storage::WriteApproximateFile(directory, *record).ok(), "parsed data can be written");
-  Require(storage::ReadApproximateFile(directory).ok(), "and read again");
-}
-
 void ReadBackupRecord(std::string_view bytes) {
   const auto record = storage::DecodeBackupRecord(storage::ToLittleEndian(storage::Crc32c(bytes)) +
                                                   std::string(bytes));
@@ -68,8 +47,6 @@ void ReadBackupRecord(std::string_view bytes) {
 void Read(std::string_view bytes) {
   if (bytes.starts_with("GPC")) {
     ReadCloud(std::string(bytes));
-  } else if (bytes.starts_with("GAX\x01")) {
-    ReadApproximate(std::string(bytes));
   } else {
     storage::InspectLog(bytes);
     ReadBackupRecord(bytes);

@@ -1,7 +1,6 @@
 #include <iterator>
 
 #include "storage/catalogue/catalogue.h"
-#include "storage/database/approximate_file.h"
 #include "storage/database/family.h"
 #include "storage/records/packed_cloud.h"
 #include "tests/fuzz/fuzz_server.h"
@@ -35,18 +34,6 @@ void WriteFiles(const SeedWriter& out, const storage::Catalogue& catalogue,
   const absl::StatusOr<std::string> cloud = catalogue.GetPackedCloud(view.name());
   Require(cloud.ok(), "a view has a cloud");
   out.Write("storage_file", "cloud", *cloud);
-  const ScratchFolder folder;
-  storage::ApproximateIndexRecord approximate;
-  approximate.set_library("library");
-  approximate.add_names(view.name());
-  approximate.add_content_digests("digest");
-  approximate.add_means(0.5F);
-  approximate.add_axes(1);
-  approximate.set_tree("tree");
-  approximate.set_checks(1024);
-  Require(storage::WriteApproximateFile(folder.path().string(), approximate).ok(),
-          "an approximate index is written");
-  out.Write("storage_file", "approximate", BytesOf(folder.path() / storage::kApproximateFile));
 }
 
 void WriteLogs(const SeedWriter& out, const std::string& directory) {

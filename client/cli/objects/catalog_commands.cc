@@ -163,14 +163,6 @@ absl::Status CheckObjects(const GlobalOptions& global, const std::string& id) {
   return absl::OkStatus();
 }
 
-std::string IndexText(const v1::CatalogStatus& status) {
-  if (!status.has_approximate_index()) return "exact";
-  const v1::ApproximateIndexStatus& index = status.approximate_index();
-  return absl::StrFormat("%s, %d views and %d newer ones, recall of the 10 nearest %.1f %%, %d MiB",
-                         index.name(), index.view_count(), index.newer_view_count(),
-                         100 * index.recall_at_10(), index.byte_count() >> 20);
-}
-
 std::string BackupsText(const v1::BackupStatus& status) {
   std::string text = "none";
   if (status.has_last_good_backup()) {
@@ -223,7 +215,6 @@ absl::Status ShowStatus(const GlobalOptions& global) {
               static_cast<long long>(status.missed_count()),
               static_cast<long long>(status.slipped_count()));
   std::printf("descriptor  %s\n", status.descriptor_name().c_str());
-  std::printf("index       %s\n", IndexText(status).c_str());
   std::printf("memory      %s\n", MemoryText(status.memory()).c_str());
   if (status.has_backup()) std::printf("backups     %s\n", BackupsText(status.backup()).c_str());
   if (status.has_server_state()) PrintServerState(status.server_state());

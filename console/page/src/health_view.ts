@@ -75,7 +75,6 @@ export class HealthView {
       ]),
       card("Server", [
         ["version", status.serverVersion], ["running for", duration(status.uptimeS)], ["descriptor", status.descriptorName],
-        ["search", status.approximateIndex ? `${status.approximateIndex.name}, recall ${status.approximateIndex.recallAt10.toFixed(3)}` : "exact"],
         ["schema", status.schemaVersion],
       ]),
       card("Memory", [

@@ -118,20 +118,5 @@ TEST(FilteredIndexTest, UnchangedChunksAreNotFilteredAgain) {
   EXPECT_EQ(checked, 5 * 512 + 100);
 }
 
-TEST(FilteredIndexTest, AnApproximateIndexIsSearchedExactly) {
-  Random random(73);
-  const std::vector<IndexedView> views = ViewsOfObjects(random, 0, 1500);
-  const DescriptorIndex exact = DescriptorIndex(kFewBins).With(views);
-  auto approximate = ApproximateIndex::Build(exact.chunks(), {});
-  ASSERT_TRUE(approximate.ok()) << approximate.status();
-  const DescriptorIndex index = exact.WithApproximate(*approximate);
-  const std::set<std::string> objects = {"objects/o3", "objects/o4"};
-  DescriptorIndex::FilteredChunks known;
-  const DescriptorIndex filtered =
-      index.Filtered([&](const TaughtView& view) { return objects.contains(view.object); }, &known);
-  EXPECT_EQ(filtered.approximate(), nullptr);
-  ExpectSameAnswers(filtered, DescriptorIndex(kFewBins).With(VisibleViews(views, objects)), random);
-}
-
 }  // namespace
 }  // namespace graspdb::recognition

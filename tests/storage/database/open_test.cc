@@ -7,7 +7,6 @@
 #include "program/base/uuid.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/changes/schema.h"
-#include "storage/database/approximate_file.h"
 #include "storage/database/revision_floor.h"
 #include "tests/storage/catalogue_fixture.h"
 #include "tests/storage/child_process.h"
@@ -235,21 +234,13 @@ TEST_F(OpenTest, ACloseLeavesNoLargeLogToReplay) {
       OpenOrDie(database_)->GetPackedCloud("objects/mug/stablePoses/upright/views/big").ok());
 }
 
-TEST_F(OpenTest, RemainingApproximateIndexMeansALostDatabase) {
-  std::filesystem::create_directory(database_);
-  WriteBytes(std::filesystem::path(database_) / kApproximateFile, "left over");
-  EXPECT_TRUE(absl::IsDataLoss(TryOpen()));
-}
-
-TEST_F(OpenTest, IndexFileOfAnEarlierVersionIsDeleted) {
+TEST_F(OpenTest, IndexFilesOfEarlierVersionsAreDeleted) {
   MakeDatabase();
   const std::filesystem::path database = database_;
-  for (const char* name : {"INDEX", "INDEX.dbtmp"}) WriteBytes(database / name, "GIX");
-  WriteBytes(database / kApproximateFile, "GAX");
+  const auto names = {"INDEX", "INDEX.dbtmp", "INDEX.flann", "INDEX.flann.dbtmp"};
+  for (const char* name : names) WriteBytes(database / name, "GIX");
   EXPECT_EQ(OpenOrDie(database_)->revision(), 12);
-  EXPECT_FALSE(std::filesystem::exists(database / "INDEX"));
-  EXPECT_FALSE(std::filesystem::exists(database / "INDEX.dbtmp"));
-  EXPECT_TRUE(std::filesystem::exists(database / kApproximateFile));
+  for (const char* name : names) EXPECT_FALSE(std::filesystem::exists(database / name)) << name;
 }
 
 }  // namespace
