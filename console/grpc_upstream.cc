@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
-#include "client/sdk/channel_arguments.h"
+#include "client/sdk/connection.h"
 #include "client/sdk/security.h"
 #include "program/log/request_id.h"
 

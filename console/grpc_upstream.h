@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "client/sdk/client.h"
-#include "client/sdk/reconnection.h"
+#include "client/sdk/connection.h"
 #include "console/upstream.h"
 #include "program/tls/watched_files.h"
 

@@ -14,7 +14,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "base/status_macros.h"
-#include "client/sdk/retry.h"
+#include "client/sdk/connection.h"
 #include "client/teaching/upload/known_views.h"
 #include "program/base/monotonic_cond_var.h"
 #include "program/base/monotonic_time.h"

@@ -10,7 +10,7 @@
 #include "absl/strings/cord.h"
 #include "absl/synchronization/mutex.h"
 #include "client/sdk/client.h"
-#include "client/sdk/retry.h"
+#include "client/sdk/connection.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "server/base/errors.h"

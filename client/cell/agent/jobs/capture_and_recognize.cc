@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/sdk/retry.h"
+#include "client/sdk/connection.h"
 #include "files/messages/pose_message.h"
 #include "files/messages/scan_message.h"
 #include "program/log/request_id.h"

@@ -1,13 +1,16 @@
-#include "client/sdk/retry.h"
+#include "client/sdk/connection.h"
 
 #include <algorithm>
-#include <string>
+#include <chrono>
+#include <system_error>
+#include <utility>
 
 #include "absl/strings/cord.h"
 #include "absl/strings/string_view.h"
 #include "client/sdk/client.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "program/connections/proxy.h"
 
 namespace graspdb::client {
 namespace {
@@ -39,7 +42,71 @@ std::optional<absl::Duration> DelayOf(const google::rpc::Status& details) {
   return std::nullopt;
 }
 
+// The first delay between two attempts to connect, and the longest, to which it grows by 1.6 with
+// each. gRPC's own 120 s keep a cell without a server for up to 2 minutes after that is back.
+constexpr int kFirstReconnectMs = 100;
+constexpr int kLongestReconnectMs = 1'000;
+// For an attempt: TCP, TLS, and the server's first HTTP/2 frame. TCP repeats a lost packet after 1
+// and 3 s, so a cable that is plugged in is noticed after 2 s at the latest. In spite of its name
+// the option is not a minimum of the delay.
+constexpr int kConnectMs = 4'000;
+// Milliseconds without a message during a call after which the server gets a ping, at least 10 s
+// (server/builder_settings.cc), and after which the connection is closed if the ping or sent data
+// are not acknowledged (TCP_USER_TIMEOUT). Without, TCP repeats data up to 2 minutes after the
+// power is back at the server.
+constexpr int kClientKeepaliveMs = 20'000;
+constexpr int kClientKeepaliveTimeoutMs = 10'000;
+
+// Between two checks whether the client is destroyed.
+constexpr std::chrono::milliseconds kCheck(100);
+
 }  // namespace
+
+Reconnection::Reconnection(std::shared_ptr<grpc::Channel> channel) : channel_(std::move(channel)) {}
+
+Reconnection::~Reconnection() {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+bool Reconnection::IsConnected() const {
+  return channel_->GetState(/*try_to_connect=*/false) == GRPC_CHANNEL_READY;
+}
+
+void Reconnection::Begin() {
+  const std::scoped_lock lock(mutex_);
+  if (waiting_) return;
+  if (thread_.joinable()) thread_.join();
+  try {
+    thread_ = std::thread([this] { Wait(); });
+    waiting_ = true;
+  } catch (const std::system_error&) {
+    // As described: the connection then takes longer, or the next failed call begins.
+  }
+}
+
+void Reconnection::Wait() {
+  while (!stopping_) {
+    const grpc_connectivity_state state = channel_->GetState(/*try_to_connect=*/true);
+    if (state == GRPC_CHANNEL_READY) break;
+    channel_->WaitForStateChange(state, std::chrono::system_clock::now() + kCheck);
+  }
+  const std::scoped_lock lock(mutex_);
+  waiting_ = false;
+}
+
+grpc::ChannelArguments ChannelArgumentsFor(const std::string& server) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kClientKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kClientKeepaliveTimeoutMs);
+  if (IsLocalTarget(server)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  arguments.SetMaxReceiveMessageSize(-1);
+  arguments.SetMaxSendMessageSize(-1);
+  return arguments;
+}
 
 std::optional<absl::Duration> BusyDelay(const absl::Status& status) {
   if (!absl::IsResourceExhausted(status)) return std::nullopt;
