@@ -6,7 +6,7 @@
 #include <regex>
 
 #include "absl/strings/str_cat.h"
-#include "client/cell/blackbox/bundle_file.h"
+#include "client/cell/blackbox/bundle_files.h"
 #include "tests/end_to_end/cell_fixture.h"
 #include "tests/end_to_end/outcome_matchers.h"
 #include "tests/testing/scrape.h"

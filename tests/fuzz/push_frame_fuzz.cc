@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "client/cell/sensors/push/pushed_frame.h"
+#include "client/cell/sensors/push/push_sensor.h"
 #include "files/messages/cloud_message.h"
 #include "files/messages/depth_message.h"
 #include "tests/fuzz/message_target.h"

@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "client/cell/sensors/genicam/range_image.h"
-#include "client/cell/sensors/video/z16_image.h"
+#include "client/cell/sensors/video/v4l2_sensor.h"
 #include "files/messages/cloud_message.h"
 #include "files/messages/depth_message.h"
 #include "tests/fuzz/range_image_input.h"

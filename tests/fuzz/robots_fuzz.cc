@@ -10,7 +10,6 @@
 
 #include "client/cell/robots/gri/gri_protocol.h"
 #include "client/cell/robots/line/line_protocol.h"
-#include "client/cell/robots/line/line_reply.h"
 #include "tests/client/cell/robots/scripted_runner.h"
 #include "tests/fuzz/requirement.h"
 

@@ -7,7 +7,7 @@
 #include "client/cell/agent/jobs/cell_cache.h"
 #include "client/cell/agent/settings/calibration_config.h"
 #include "client/cell/calibration/hand_eye_session.h"
-#include "client/cell/robots/robot_calibrator.h"
+#include "client/cell/robots/job_runner.h"
 
 namespace graspdb::client {
 

@@ -11,7 +11,6 @@
 
 #include "absl/time/time.h"
 #include "base/status_macros.h"
-#include "client/cell/blackbox/bundle_file.h"
 #include "program/log/log_field.h"
 
 namespace graspdb::client {

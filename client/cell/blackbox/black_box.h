@@ -10,7 +10,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "client/cell/blackbox/bundle_ring.h"
+#include "client/cell/blackbox/bundle_files.h"
 #include "graspdb/v1/bundle.pb.h"
 
 namespace graspdb::client {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/cell/robots/rotation_vector.h"
+#include "client/cell/robots/pose_format.h"
 
 namespace graspdb::client {
 namespace {
@@ -36,6 +36,28 @@ Pose Moved(const Pose& pose, const Vector6d& step) {
   by.linear() = FromRotationVector(step.head<3>());
   by.translation() = step.tail<3>();
   return pose * by;
+}
+
+// The adjoint of `pose`: maps small turns and shifts from its child frame to its parent frame.
+Matrix6d AdjointOf(const Pose& pose) {
+  Matrix6d out = Matrix6d::Zero();
+  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = pose.linear();
+  out.bottomLeftCorner<3, 3>() = CrossMatrix(pose.translation()) * pose.linear();
+  return out;
+}
+
+// Whitens the errors of this equation: independent, with unit variance. Detection errors are given
+// in the target's frame, robot errors in the flange's: half a metre away, a turn of the flange is a
+// shift.
+Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& solution) {
+  const Pose target_flange = equation.mount == CameraMount::kFixed
+                                 ? solution.y.inverse()
+                                 : (solution.x * equation.b).inverse();
+  const Matrix6d adjoint = AdjointOf(target_flange);
+  const Matrix6d covariance =
+      adjoint * UsualCovariance() * adjoint.transpose() + equation.covariance;
+  const Eigen::LLT<Matrix6d> factor(covariance);
+  return factor.matrixL().solve(Matrix6d::Identity());
 }
 
 }  // namespace
@@ -83,24 +105,6 @@ Vector6d ErrorOf(const HandEyeEquation& equation, const HandEyeSolution& solutio
   Vector6d out;
   out << RotationVector(error.linear()), error.translation();
   return out;
-}
-
-Matrix6d AdjointOf(const Pose& pose) {
-  Matrix6d out = Matrix6d::Zero();
-  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = pose.linear();
-  out.bottomLeftCorner<3, 3>() = CrossMatrix(pose.translation()) * pose.linear();
-  return out;
-}
-
-Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& solution) {
-  const Pose target_flange = equation.mount == CameraMount::kFixed
-                                 ? solution.y.inverse()
-                                 : (solution.x * equation.b).inverse();
-  const Matrix6d adjoint = AdjointOf(target_flange);
-  const Matrix6d covariance =
-      adjoint * UsualCovariance() * adjoint.transpose() + equation.covariance;
-  const Eigen::LLT<Matrix6d> factor(covariance);
-  return factor.matrixL().solve(Matrix6d::Identity());
 }
 
 double SizeOf(const HandEyeEquation& equation, const HandEyeSolution& solution) {

@@ -31,14 +31,6 @@ HandEyeSolution SolveClosedForm(std::span<const HandEyeEquation> equations);
 // Residual of A Y = X B: turn and shift in the frame of the target.
 Vector6d ErrorOf(const HandEyeEquation& equation, const HandEyeSolution& solution);
 
-// The adjoint of `pose`: maps small turns and shifts from its child frame to its parent frame.
-Matrix6d AdjointOf(const recognition::Pose& pose);
-
-// Whitens the errors of this equation: independent, with unit variance. Detection errors are given
-// in the target's frame, robot errors in the flange's: half a metre away, a turn of the flange is a
-// shift.
-Matrix6d WhiteningOf(const HandEyeEquation& equation, const HandEyeSolution& solution);
-
 // Norm of the whitened error.
 double SizeOf(const HandEyeEquation& equation, const HandEyeSolution& solution);
 

@@ -11,7 +11,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client/cell/calibration/hand_eye.h"
 #include "client/cell/calibration/target/target.h"
-#include "client/cell/robots/robot_calibrator.h"
+#include "client/cell/robots/job_runner.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/sdk/client.h"
 #include "recognition/base/types.h"

@@ -1,13 +1,11 @@
 #include "client/cell/robots/pose_format.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/robots/rotation_vector.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {

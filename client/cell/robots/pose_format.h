@@ -1,6 +1,7 @@
 // Pose formats of robots: the 51 of the Generic Robot Interface.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 
 #include "absl/status/statusor.h"
@@ -38,5 +39,18 @@ absl::StatusOr<RobotPose> ToRobotPose(const recognition::Pose& pose, int code);
 // The inverse. INVALID_ARGUMENT when there is no such format, when a number is not finite, or when
 // the length of a quaternion is not one, within a hundredth.
 absl::StatusOr<recognition::Pose> FromRobotPose(const RobotPose& numbers, int code);
+
+// Axis times angle of a rotation matrix, radians; not longer than pi.
+inline Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
+// The inverse; the identity for zero.
+inline Eigen::Matrix3d FromRotationVector(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (!(angle > 0)) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
 
 }  // namespace graspdb::client

@@ -1,6 +1,9 @@
 // TCP server for robots, independent of the protocol.
 #pragma once
 
+#include <asio/ip/address.hpp>
+#include <asio/ip/network_v4.hpp>
+#include <asio/ip/network_v6.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +15,21 @@
 #include "absl/status/statusor.h"
 
 namespace graspdb::client {
+
+// Networks from which robots may connect.
+class AllowList {
+ public:
+  // Networks such as "10.3.0.0/24" and "fd00::/8", and single addresses; none: all addresses are
+  // allowed. INVALID_ARGUMENT for another text.
+  static absl::StatusOr<AllowList> Parse(const std::vector<std::string>& networks);
+
+  // IPv4 addresses may be mapped to IPv6, as a socket for both has them.
+  bool Allows(const asio::ip::address& address) const;
+
+ private:
+  std::vector<asio::ip::network_v4> v4_;
+  std::vector<asio::ip::network_v6> v6_;
+};
 
 // A reply to a robot.
 struct RobotReply {

@@ -1,9 +1,12 @@
-// The interface of depth cameras.
+// The interface of depth cameras, and the settings of any kind of them.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "files/messages/scan_message.h"
@@ -49,5 +52,40 @@ class DepthSensor {
 
 // Sets `time` and the capture time of the scan, which is that moment by the wall clock of now.
 void SetTime(MonotonicTime time, SensorFrame& frame);
+
+// Returns the frames of another sensor if they are fresh. Thread-safe.
+class FreshSensor : public DepthSensor {
+ public:
+  FreshSensor(std::unique_ptr<DepthSensor> sensor, absl::Duration max_age)
+      : sensor_(std::move(sensor)), max_age_(max_age) {}
+
+  // The errors of the sensor; UNAVAILABLE when the frame is older than the limit.
+  absl::StatusOr<SensorFrame> Next(MonotonicTime deadline) override;
+  bool IsReady() override { return sensor_->IsReady(); }
+  bool HasEnded() override { return sensor_->HasEnded(); }
+  std::string Name() const override { return sensor_->Name(); }
+
+ private:
+  const std::unique_ptr<DepthSensor> sensor_;
+  const absl::Duration max_age_;
+};
+
+struct SensorSettings {
+  // Maximum age of a frame; an older one is an error.
+  absl::Duration max_age = absl::Seconds(1);
+  // Calibrated intrinsics; absent: those of the camera or its library. Not for files, which have
+  // their own.
+  std::optional<recognition::CameraIntrinsics> intrinsics = {};
+  // A camera without a frame for this time counts as unplugged; also the limit for the first frame.
+  absl::Duration silence = absl::Seconds(3);
+  // Pause between attempts to open a missing camera, doubled after every attempt up to the longest.
+  absl::Duration first_pause = absl::Milliseconds(250);
+  absl::Duration max_pause = absl::Seconds(5);
+};
+
+// FAILED_PRECONDITION when intrinsics are given for another image size than that of `camera` (its
+// display name). Thread-safe.
+absl::Status CheckIntrinsics(const SensorSettings& settings, const std::string& camera, int width,
+                             int height);
 
 }  // namespace graspdb::client

@@ -12,7 +12,7 @@
 #include "absl/time/clock.h"
 #include "base/status_macros.h"
 #include "client/cell/sensors/kinds/open_sensor.h"
-#include "client/cell/sensors/kinect/simulated_recording.h"
+#include "client/cell/sensors/kinect/fakenect_recording.h"
 #include "client/cli/base/camera.h"
 #include "client/cli/cells/commands.h"
 #include "files/base/json_object.h"

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/cell/blackbox/bundle_file.h"
+#include "client/cell/blackbox/bundle_files.h"
 #include "client/cell/blackbox/replay.h"
 #include "client/cli/recognize/commands.h"
 #include "files/base/json_object.h"

@@ -1,7 +1,5 @@
 #include "client/cell/agent/jobs/capture_and_recognize.h"
 
-#include <string>
-#include <utility>
 #include <variant>
 
 #include "absl/strings/str_cat.h"

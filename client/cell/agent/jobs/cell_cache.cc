@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
@@ -109,6 +109,24 @@ void CellCache::Watch() {
     was_there = is_there;
     ++turn;
   } while (!stop_.Wait(absl::ToChronoNanoseconds(period_)));
+}
+
+absl::StatusOr<std::shared_ptr<const LabelledObjects>> Labels::At(const std::string& catalog_id,
+                                                                  std::int64_t revision) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (catalog_id_ == catalog_id && revision_ == revision) return objects_;
+  }
+  ASSIGN_OR_RETURN(const std::vector<v1::Object> listed, client_.ListObjects());
+  auto objects = std::make_shared<LabelledObjects>();
+  for (const v1::Object& object : listed) {
+    for (const std::string& label : object.labels()) objects->emplace(object.name(), label);
+  }
+  absl::MutexLock lock(&mutex_);
+  catalog_id_ = catalog_id;
+  revision_ = revision;
+  objects_ = std::move(objects);
+  return objects_;
 }
 
 }  // namespace graspdb::client

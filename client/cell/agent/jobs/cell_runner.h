@@ -2,20 +2,22 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/cell/agent/jobs/capture_and_recognize.h"
-#include "client/cell/agent/jobs/counters.h"
+#include "client/cell/agent/jobs/cell_cache.h"
 #include "client/cell/agent/jobs/job_answer.h"
-#include "client/cell/agent/jobs/labels.h"
 #include "client/cell/agent/settings/job_config.h"
 #include "client/cell/robots/job_runner.h"
+#include "graspdb/v1/bundle.pb.h"
 #include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
 
 class CellMetrics;
+class Counters;
 
 struct CellRunnerOptions {
   absl::Duration time_limit = absl::Seconds(5);  // of jobs without one of their own
@@ -71,5 +73,9 @@ class CellRunner : public JobRunner {
   const CellParts parts_;
   Labels labels_;
 };
+
+// The bundle of a job, ready for replay: with what the server answered, not what the robot got.
+// nullopt if no request was made, e.g. without a camera frame. The version may be empty.
+std::optional<v1::Bundle> BundleOf(const JobReport& report, const std::string& server_version);
 
 }  // namespace graspdb::client

@@ -7,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "base/status_macros.h"
-#include "client/cell/calibration/hand_eye_session.h"
 #include "client/sdk/resource_name.h"
 
 namespace graspdb::client {

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "recognition/matching/refinement.h"
-#include "recognition/segmentation/segmentation.h"
 #include "recognition/verification/verification.h"
 
 namespace graspdb::client {

@@ -2,14 +2,20 @@
 // line of ASCII per request and one per reply.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
+#include "client/cell/robots/gri_code.h"
+#include "client/cell/robots/job_runner.h"
 #include "client/cell/robots/line/line_request.h"
-#include "client/cell/robots/robot_jobs.h"
 #include "client/cell/robots/robot_server.h"
+#include "client/cell/robots/robot_session.h"
 
 namespace graspdb::client {
+
+// Maximum length of a reply, its end of line included: controllers have strings of 254 characters.
+inline constexpr std::size_t kMaxReplyBytes = 250;
 
 // Maximum length of a request, its end of line included.
 inline constexpr std::size_t kMaxRequestBytes = 256;

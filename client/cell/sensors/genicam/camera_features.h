@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "absl/status/status.h"
 #include "client/cell/sensors/genicam/range_image.h"
 
 namespace graspdb::client {

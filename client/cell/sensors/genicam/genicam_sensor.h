@@ -8,7 +8,6 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client/cell/sensors/depth_sensor.h"
-#include "client/cell/sensors/sensor_settings.h"
 
 namespace graspdb::client {
 

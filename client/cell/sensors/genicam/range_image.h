@@ -10,7 +10,6 @@
 #include <span>
 #include <string>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "files/messages/scan_message.h"
 #include "recognition/base/types.h"

@@ -8,7 +8,6 @@
 #include "absl/strings/str_join.h"
 #include "base/status_macros.h"
 #include "client/cell/sensors/files/file_sensor.h"
-#include "client/cell/sensors/fresh_sensor.h"
 #include "client/cell/sensors/kinect/freenect_sensor.h"
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "client/cell/sensors/openni/openni2_sensor.h"

@@ -11,6 +11,8 @@
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "files/base/atomic_file.h"
 #include "files/base/json_object.h"
+#include "rendering/scene_file.h"
+#include "rendering/simulation.h"
 
 namespace graspdb::client {
 namespace {
@@ -115,6 +117,25 @@ absl::Status FakenectRecording::PullOut() {
 
 absl::Status FakenectRecording::Finish() {
   return files::WriteFileAtomically(folder_ / kIndexFile, index_, files::Durability::kProcessCrash);
+}
+
+absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
+                                     const std::vector<rendering::Workpiece>& parts,
+                                     const std::vector<rendering::PlannedCapture>& plan,
+                                     absl::Duration duration) {
+  if (plan.empty()) return absl::InvalidArgumentError("no scenes are planned; plan at least one");
+  ASSIGN_OR_RETURN(const rendering::DepthCamera camera,
+                   rendering::DepthCamera::Create(SimulatedKinectV1()));
+  ASSIGN_OR_RETURN(FakenectRecording recording, FakenectRecording::Create(folder));
+  for (const rendering::PlannedCapture& scene : plan) {
+    RETURN_IF_ERROR(rendering::CheckPlacements(parts, scene));
+    ASSIGN_OR_RETURN(const rendering::DepthFrame frame,
+                     camera.Render(rendering::SceneOf(parts, scene, /*with_table=*/true),
+                                   scene.world_sensor, scene.seed));
+    RETURN_IF_ERROR(recording.Show(frame, duration));
+  }
+  RETURN_IF_ERROR(rendering::WriteScenes(folder, parts, plan));
+  return recording.Finish();
 }
 
 }  // namespace graspdb::client

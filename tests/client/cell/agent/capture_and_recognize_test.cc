@@ -8,7 +8,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
-#include "client/cell/sensors/fresh_sensor.h"
+#include "client/cell/sensors/depth_sensor.h"
 #include "files/messages/pose_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/client/cell/agent/scripted_server.h"

@@ -3,7 +3,6 @@
 #include <functional>
 #include <utility>
 
-#include "client/cell/agent/jobs/job_bundle.h"
 #include "client/cell/blackbox/replay.h"
 #include "tests/client/cell/agent/cell_runner_fixture.h"
 #include "tests/testing/busy_status.h"

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/cell/blackbox/bundle_file.h"
+#include "client/cell/blackbox/bundle_files.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,11 +1,9 @@
-#include "client/cell/blackbox/bundle_file.h"
-
 #include <gmock/gmock.h>
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 
+#include "client/cell/blackbox/bundle_files.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

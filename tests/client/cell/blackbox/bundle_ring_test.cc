@@ -1,5 +1,3 @@
-#include "client/cell/blackbox/bundle_ring.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "client/cell/blackbox/bundle_files.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

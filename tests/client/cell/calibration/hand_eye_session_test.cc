@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "client/cell/calibration/calibrated_cell.h"
-#include "client/cell/robots/rotation_vector.h"
+#include "client/cell/robots/pose_format.h"
 #include "files/messages/pose_message.h"
 #include "recognition/base/units.h"
 #include "tests/client/cell/agent/fake_camera.h"

@@ -1,9 +1,9 @@
-#include "client/cell/calibration/target/orientations.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <set>
+
+#include "client/cell/calibration/target/gripped_target.h"
 
 namespace graspdb::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "client/cell/robots/rotation_vector.h"
+#include "client/cell/robots/pose_format.h"
 #include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
 #include "rendering/camera/scene.h"

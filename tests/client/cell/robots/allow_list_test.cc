@@ -1,7 +1,6 @@
-#include "client/cell/robots/allow_list.h"
-
 #include <gmock/gmock.h>
 
+#include "client/cell/robots/robot_server.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

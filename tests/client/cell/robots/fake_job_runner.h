@@ -8,7 +8,7 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/synchronization/notification.h"
-#include "client/cell/robots/gri/gri_jobs.h"
+#include "client/cell/robots/gri/gri_protocol.h"
 
 namespace graspdb::client {
 

@@ -1,4 +1,3 @@
-#include "client/cell/robots/gri/gri_hand_eye.h"
 
 #include <gmock/gmock.h>
 

@@ -1,9 +1,8 @@
-#include "client/cell/robots/gri/gri_jobs.h"
-
 #include <gmock/gmock.h>
 
 #include <thread>
 
+#include "client/cell/robots/gri/gri_protocol.h"
 #include "tests/client/cell/robots/fake_job_runner.h"
 #include "tests/testing/status_matchers.h"
 

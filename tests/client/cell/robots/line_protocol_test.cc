@@ -1,4 +1,6 @@
 // The line protocol.
+#include "client/cell/robots/line/line_protocol.h"
+
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
@@ -8,7 +10,6 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
-#include "client/cell/robots/line/line_reply.h"
 #include "tests/client/cell/robots/line_protocol_fixture.h"
 
 namespace graspdb::client {

@@ -1,6 +1,4 @@
 // Sessions of robots, and jobs that throw.
-#include "client/cell/robots/robot_jobs.h"
-
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -9,6 +7,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "client/cell/robots/robot_session.h"
 #include "tests/client/cell/robots/scripted_runner.h"
 #include "tests/testing/status_matchers.h"
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "absl/time/clock.h"
-#include "client/cell/sensors/fresh_sensor.h"
+#include "client/cell/sensors/depth_sensor.h"
 #include "tests/client/cell/sensors/scripted_camera.h"
 #include "tests/testing/status_matchers.h"
 

@@ -9,7 +9,6 @@
 #include "absl/strings/str_split.h"
 #include "client/cell/sensors/kinect/fakenect_recording.h"
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
-#include "client/cell/sensors/kinect/simulated_recording.h"
 #include "files/capture_sets/capture_set.h"
 #include "files/depth/depth_png.h"
 #include "files/messages/depth_message.h"

@@ -1,5 +1,4 @@
 // Frames of a program are checked, and only the newest of one camera is kept.
-#include "client/cell/sensors/push/pushed_frame.h"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "client/cell/sensors/push/frame_receiver.h"
+#include "client/cell/sensors/push/push_sensor.h"
 #include "tests/client/cell/sensors/push/pushed_requests.h"
 #include "tests/testing/status_matchers.h"
 

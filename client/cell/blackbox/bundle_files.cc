@@ -1,6 +1,15 @@
-#include "client/cell/blackbox/bundle_ring.h"
+#include "client/cell/blackbox/bundle_files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string_view>
 #include <system_error>
 
 #include "absl/strings/match.h"
@@ -8,11 +17,20 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
-#include "client/cell/blackbox/bundle_file.h"
 #include "files/base/atomic_file.h"
 
 namespace graspdb::client {
 namespace {
+
+constexpr char kBundleSuffix[] = ".bundle";
+constexpr std::string_view kBundleMagic = "GBB";
+constexpr char kVersion = 1;
+constexpr std::size_t kBundleHeaderBytes = 4;
+constexpr std::uintmax_t kMaxBundleBytes = std::numeric_limits<int>::max();  // of a message
+
+absl::Status NoBundle(const std::filesystem::path& path) {
+  return absl::DataLossError(path.string() + " is not a bundle, or truncated; leave it out");
+}
 
 constexpr std::size_t kDigits = 10;
 
@@ -38,6 +56,78 @@ bool IsLeftOver(const std::string& name) {
 }
 
 }  // namespace
+
+absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle) {
+  std::string out(kBundleMagic);
+  out += kVersion;
+  if (bundle.AppendToString(&out)) return out;
+  return absl::ResourceExhaustedError("the bundle exceeds the maximum message size");
+}
+
+absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t length = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) {
+    return absl::NotFoundError("cannot read " + path.string() + "; is it there?");
+  }
+  if (length > kMaxBundleBytes) return NoBundle(path);
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (bytes.size() < kBundleHeaderBytes || !bytes.starts_with(kBundleMagic)) return NoBundle(path);
+  if (bytes[kBundleMagic.size()] != kVersion) {
+    return absl::FailedPreconditionError(path.string() +
+                                         " was written by a newer version; use that version");
+  }
+  v1::Bundle out;
+  const auto size = static_cast<int>(bytes.size() - kBundleHeaderBytes);
+  if (!out.ParseFromArray(bytes.data() + kBundleHeaderBytes, size)) return NoBundle(path);
+  if (!out.has_request() || out.result_case() == v1::Bundle::RESULT_NOT_SET) return NoBundle(path);
+  return out;
+}
+
+absl::StatusOr<std::vector<std::filesystem::path>> ListBundles(
+    const std::vector<std::string>& paths) {
+  std::vector<std::filesystem::path> out;
+  for (const std::string& path : paths) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(path, error)) {
+      if (!std::filesystem::exists(path, error)) {
+        return absl::NotFoundError("there is no " + path + "; give bundles or a folder of them");
+      }
+      out.emplace_back(path);
+      continue;
+    }
+    std::vector<std::filesystem::path> inside;
+    for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+         entry.increment(error)) {
+      if (entry->path().extension() == kBundleSuffix) inside.push_back(entry->path());
+    }
+    if (inside.empty()) return absl::NotFoundError("there are no bundles in " + path);
+    std::ranges::sort(inside);  // their names begin with their numbers
+    out.insert(out.end(), inside.begin(), inside.end());
+  }
+  return out;
+}
+
+absl::StatusOr<FolderLock> FolderLock::Take(const std::filesystem::path& folder) {
+  const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("cannot use ", folder.string(), ": ", std::generic_category().message(errno),
+                     "; choose another folder or make this one readable"));
+  }
+  FolderLock out(opened);
+  // Any other error means that the file system has no locks.
+  if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        folder.string(), " is in use by another process; give each one a folder of its own"));
+  }
+  return out;
+}
+
+FolderLock::~FolderLock() {
+  if (folder_ >= 0) close(folder_);
+}
 
 absl::StatusOr<BundleRing> BundleRing::Open(BundleRingOptions options) {
   BundleRing out(std::move(options));

@@ -1,4 +1,5 @@
-// A folder of bundles with a size limit.
+// Bundle files, which are four bytes, "GBB" and the version 1, then the message Bundle; and a
+// folder of them with a size limit.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +8,48 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "client/cell/blackbox/folder_lock.h"
+#include "graspdb/v1/bundle.pb.h"
 
 namespace graspdb::client {
+
+// The bytes of the file. RESOURCE_EXHAUSTED for a bundle over the message limit (2 GB).
+absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle);
+
+// NOT_FOUND when the file does not exist, DATA_LOSS when it is not a bundle, truncated or over 2
+// GB, FAILED_PRECONDITION when its version is newer.
+absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path);
+
+// Expands files and folders: a folder to the bundles in it, the oldest first. NOT_FOUND for a
+// missing path and for a folder without bundles.
+absl::StatusOr<std::vector<std::filesystem::path>> ListBundles(
+    const std::vector<std::string>& paths);
+
+// A lock on a folder, until it is destroyed or the process dies. Movable.
+class FolderLock {
+ public:
+  // FAILED_PRECONDITION while another FolderLock has the folder, in this process or another one,
+  // and when the folder cannot be opened. On file systems without locks nothing is locked.
+  static absl::StatusOr<FolderLock> Take(const std::filesystem::path& folder);
+
+  FolderLock(FolderLock&& other) noexcept : folder_(std::exchange(other.folder_, -1)) {}
+  FolderLock& operator=(FolderLock&& other) noexcept {
+    std::swap(folder_, other.folder_);
+    return *this;
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  ~FolderLock();
+
+ private:
+  explicit FolderLock(int folder) : folder_(folder) {}
+
+  int folder_ = -1;  // its descriptor; -1 after a move
+};
 
 struct BundleRingOptions {
   std::filesystem::path folder;
