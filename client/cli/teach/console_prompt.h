@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "client/teaching/turntable/teaching_prompt.h"
+#include "client/teaching/turntable/turn_dialogue.h"
 
 namespace graspdb::client {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/time/time.h"
-#include "client/teaching/turntable/teaching_prompt.h"
+#include "client/teaching/turntable/turn_dialogue.h"
 
 namespace graspdb::client {
 

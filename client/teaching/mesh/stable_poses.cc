@@ -2,17 +2,44 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "base/status_macros.h"
-#include "client/teaching/mesh/mesh_surface.h"
+#include "recognition/models/surface_model.h"
 
 namespace graspdb::client {
 namespace {
 
 using Eigen::Vector3d;
 using recognition::Pose;
+
+// Samples are denser than the points that are computed from them.
+constexpr double kSampleSpacingM = recognition::kSurfaceSpacingM / 2.0;
+constexpr double kMinSamples = 2000;
+constexpr double kMaxSamples = 60'000;
+constexpr std::uint64_t kSeed = 1;
+
+// Points all over the surface of a mesh with their outward normals, mesh frame, m: about as dense
+// as recognition's models, 60,000 at the most. Deterministic.
+recognition::OrientedCloud SurfaceOf(const rendering::TriangleMesh& mesh) {
+  const double wanted = rendering::AreaOf(mesh) / (kSampleSpacingM * kSampleSpacingM);
+  const int count = static_cast<int>(std::clamp(wanted, kMinSamples, kMaxSamples));
+  auto samples = std::make_shared<const recognition::OrientedCloud>(
+      rendering::SampleOrientedSurface(mesh, count, kSeed));
+  const std::vector<recognition::PosedCloud> views = {{std::move(samples)}};
+  const auto fused = recognition::FuseViews(views);
+  return fused ? fused->fine.cloud : recognition::OrientedCloud{};
+}
+
+// `surface` transformed by `object_mesh` (T_object_mesh) into the object's frame.
+recognition::SurfaceModel Posed(const recognition::OrientedCloud& surface,
+                                const recognition::Pose& object_mesh) {
+  const Eigen::Isometry3f forth = object_mesh.cast<float>();
+  recognition::OrientedCloud moved = surface;
+  for (Eigen::Vector3f& p : moved.points) p = forth * p;
+  for (Eigen::Vector3f& n : moved.normals) n = forth.linear() * n;
+  return {std::move(moved), 1};
+}
 
 constexpr double kRollLiftShare = 0.005;  // of the diameter
 constexpr double kContactShare = 0.002;   // of the diameter

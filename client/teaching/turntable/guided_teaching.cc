@@ -9,7 +9,6 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/teaching/turntable/look_alikes_text.h"
-#include "client/teaching/turntable/turn_moving.h"
 #include "client/teaching/turntable/turntable_axis.h"
 #include "client/teaching/upload/view_upload.h"
 

@@ -10,7 +10,6 @@
 #include "absl/status/statusor.h"
 #include "client/cell/sensors/depth_sensor.h"
 #include "client/sdk/client.h"
-#include "client/teaching/turntable/teaching_prompt.h"
 #include "client/teaching/turntable/turn_dialogue.h"
 #include "client/teaching/turntable/view_taking.h"
 

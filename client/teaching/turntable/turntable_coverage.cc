@@ -9,7 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "base/status_macros.h"
-#include "client/teaching/upload/turn_steps.h"
+#include "client/teaching/upload/view_upload.h"
 #include "files/messages/pose_message.h"
 
 namespace graspdb::client {

@@ -1,7 +1,6 @@
 #include "client/teaching/upload/bulk_upload.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <deque>
 #include <optional>
 #include <set>
@@ -15,7 +14,6 @@
 #include "absl/time/time.h"
 #include "base/status_macros.h"
 #include "client/sdk/connection.h"
-#include "client/teaching/upload/known_views.h"
 #include "program/base/monotonic_cond_var.h"
 #include "program/base/monotonic_time.h"
 

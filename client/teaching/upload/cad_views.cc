@@ -8,7 +8,6 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/teaching/upload/turn_steps.h"
 #include "files/messages/cloud_message.h"
 #include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"

@@ -1,10 +1,9 @@
 #include "client/teaching/upload/view_upload.h"
 
-#include <string>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "client/teaching/upload/known_views.h"
 #include "files/messages/cloud_message.h"
 
 namespace graspdb::client {
@@ -123,6 +122,17 @@ absl::StatusOr<UploadCounts> TeachViews(Client& client, const ViewsToTeach& view
     if (watch.report) watch.report(upload.next());
   }
   return upload.counts();
+}
+
+absl::Status CheckStep(double step_deg) {
+  if (step_deg >= 1 && step_deg <= 120) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "the step of the turntable is not between 1 and 120 degrees; the usual one is 20");
+}
+
+int StepsOf(double step_deg) {
+  if (!CheckStep(step_deg).ok()) return 0;
+  return static_cast<int>(std::ceil(360 / step_deg - 1e-9));  // 360 itself is 0 again
 }
 
 }  // namespace graspdb::client

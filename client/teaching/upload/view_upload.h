@@ -4,11 +4,15 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
 #include "client/sdk/client.h"
 #include "graspdb/v1/capture_set.pb.h"
 
@@ -55,5 +59,38 @@ struct UploadCounts {
 // number of stored views; errors of `make` and of the server.
 absl::StatusOr<UploadCounts> TeachViews(Client& client, const ViewsToTeach& views,
                                         const UploadWatch& watch);
+
+// INVALID_ARGUMENT for a step that is not between 1 and 120 degrees.
+absl::Status CheckStep(double step_deg);
+
+// The number of steps 0, step, 2 step, … below 360 degrees; 0 for a step that CheckStep rejects.
+int StepsOf(double step_deg);
+
+// Lists the views of each stable pose once. Thread-safe.
+class KnownViews {
+ public:
+  explicit KnownViews(Client& client) : client_(client) {}
+
+  // Errors of the server.
+  absl::StatusOr<bool> Has(const std::string& stable_pose, const std::string& view_id) {
+    absl::MutexLock lock(&mutex_);
+    auto found = names_.find(stable_pose);
+    if (found == names_.end()) {
+      absl::StatusOr<std::vector<v1::View>> views = client_.ListViews(stable_pose);
+      // A stable pose that does not exist has none.
+      if (absl::IsNotFound(views.status())) views.emplace();
+      if (!views.ok()) return views.status();
+      std::set<std::string> names;
+      for (const v1::View& view : *views) names.insert(view.name());
+      found = names_.emplace(stable_pose, std::move(names)).first;
+    }
+    return found->second.contains(stable_pose + "/views/" + view_id);
+  }
+
+ private:
+  Client& client_;
+  absl::Mutex mutex_;
+  std::map<std::string, std::set<std::string>> names_ ABSL_GUARDED_BY(mutex_);
+};
 
 }  // namespace graspdb::client

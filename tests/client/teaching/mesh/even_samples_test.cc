@@ -1,9 +1,8 @@
-#include "client/teaching/mesh/even_samples.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "client/teaching/mesh/top_grasps.h"
 #include "rendering/meshes/solid.h"
 
 namespace graspdb::client {

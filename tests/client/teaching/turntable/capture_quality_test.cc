@@ -1,9 +1,8 @@
-#include "client/teaching/turntable/capture_quality.h"
-
 #include <gmock/gmock.h>
 
 #include <array>
 
+#include "client/teaching/turntable/view_taking.h"
 #include "files/messages/depth_message.h"
 #include "tests/testing/status_matchers.h"
 

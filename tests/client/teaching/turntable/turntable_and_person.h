@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/teaching/turntable/teaching_prompt.h"
+#include "client/teaching/turntable/turn_dialogue.h"
 #include "client/teaching/turntable/turntable_coverage.h"
 #include "rendering/capture_plan.h"
 #include "rendering/meshes/solid.h"
