@@ -10,10 +10,26 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "client/sdk/client.h"
 #include "files/archives/archive_index.h"
+#include "graspdb/v1/catalog.pb.h"
 
 namespace graspdb::client {
+
+// The content of a record is what two servers have to agree in to have the same.
+
+// Without the fields that a server sets: name, times, etag, counts of outcomes.
+v1::Object ContentOf(v1::Object object);
+v1::StablePose ContentOf(v1::StablePose pose);
+
+bool IsSame(const v1::Object& a, const v1::Object& b);
+bool IsSame(const v1::StablePose& a, const v1::StablePose& b);
+// Poses may differ by rounding (1e-9): earlier servers normalise them with each upload. Both with
+// their clouds.
+bool IsSame(const v1::View& a, const v1::View& b);
+// Of all but the clouds; false without the need to read them.
+bool MayBeSame(const v1::View& a, const v1::View& b);
 
 // A record of the file, compared with that of the same name on the server.
 enum class ArchiveState : std::uint8_t {

@@ -1,8 +1,8 @@
-#include "client/archive/archive_content.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
+
+#include "client/archive/archive_comparison.h"
 
 namespace graspdb::client {
 namespace {

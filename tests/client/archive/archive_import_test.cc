@@ -2,7 +2,7 @@
 #include <functional>
 #include <limits>
 
-#include "client/archive/archive_content.h"
+#include "client/archive/archive_comparison.h"
 #include "files/archives/archive_writer.h"
 #include "tests/client/archive/archive_fixture.h"
 
