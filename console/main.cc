@@ -9,7 +9,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "client/cli/base/command_line.h"
+#include "client/cli/base/command.h"
 #include "client/sdk/security.h"
 #include "console/gateway.h"
 #include "console/grpc_upstream.h"

@@ -1,5 +1,5 @@
 // graspdb-lab: the commands of `graspdb` for experiments, simulations and load tests.
-#include "client/cli/base/command_line.h"
+#include "client/cli/base/command.h"
 #include "lab/commands/commands.h"
 #include "program/standard_streams.h"
 

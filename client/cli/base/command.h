@@ -1,4 +1,4 @@
-// Shared by all commands of `graspdb`.
+// Shared by the commands of `graspdb` and the other command-line programs.
 #pragma once
 
 #include <google/protobuf/struct.pb.h>
@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "client/sdk/client.h"
@@ -61,5 +62,18 @@ absl::Status WithMessage(const absl::Status& status, const std::string& message)
 
 // True after Ctrl-C was pressed; the first call installs the signal handler.
 bool Interrupted();
+
+// Replaces this process with `program`, which is installed beside this one and gets `arguments`.
+// Returns only if that fails.
+absl::Status BecomeProgram(const std::string& program, std::vector<std::string> arguments);
+
+// The flags that may precede or follow any command.
+void AddGlobalFlags(CLI::App& app, GlobalOptions* global);
+
+// Reads the command line into `app`, whose commands set `action`, and runs that. Returns the exit
+// status: 0 done, 1 failed, 2 wrong usage, 3 no server reachable. A settings file may have sections
+// of `other_commands`, which belong to another program.
+int RunCommandLine(CLI::App& app, const GlobalOptions& global, const Action& action,
+                   std::vector<std::string> other_commands, int argc, char** argv);
 
 }  // namespace graspdb::client

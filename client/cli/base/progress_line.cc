@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <iostream>
-#include <string>
 #include <utility>
 
 namespace graspdb::client {

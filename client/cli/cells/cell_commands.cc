@@ -1,25 +1,75 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "base/status_macros.h"
-#include "client/cli/cells/cell_saving.h"
-#include "client/cli/cells/cell_text.h"
-#include "client/cli/cells/cell_units.h"
 #include "client/cli/cells/commands.h"
 #include "files/messages/pose_message.h"
 #include "program/text/json_keys.h"
 #include "program/text/printable_text.h"
 #include "program/text/text_encoding.h"
+#include "recognition/base/units.h"
 
 namespace graspdb::client {
 namespace {
+
+// Cameras, robots, regions and workspaces of a cell are nearer to the table and smaller, m.
+constexpr double kFarthestInCellM = 20;
+// A camera on the flange is nearer to it, m.
+constexpr double kFarthestOnFlangeM = 3;
+
+absl::Status CheckLength(const char* flag, double length_m, double max_m) {
+  if (!(length_m > max_m)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(flag, " reaches ", length_m, " m, and no cell is larger than ", max_m,
+                   " m there; lengths are metres, are these millimetres? Then divide them by ",
+                   recognition::kMmPerM));
+}
+
+double LargestOf(const v1::Vector3& v) {
+  return std::max({std::abs(v.x()), std::abs(v.y()), std::abs(v.z())});
+}
+
+double LargestOf(const v1::AxisAlignedBox& box) {
+  return std::max(LargestOf(box.min()), LargestOf(box.max()));
+}
+
+std::string PoseText(const v1::Pose& pose) {
+  return absl::StrFormat("at %.3f %.3f %.3f m, quaternion %.4f %.4f %.4f %.4f (x y z w)",
+                         pose.position().x(), pose.position().y(), pose.position().z(),
+                         pose.orientation().x(), pose.orientation().y(), pose.orientation().z(),
+                         pose.orientation().w());
+}
+
+std::string BoxText(const v1::AxisAlignedBox& box) {
+  return absl::StrFormat("%.3f %.3f %.3f to %.3f %.3f %.3f m", box.min().x(), box.min().y(),
+                         box.min().z(), box.max().x(), box.max().y(), box.max().z());
+}
+
+// Angle of a camera below the horizon; its z axis is the line of sight.
+double LookDownDeg(const v1::Pose& world_sensor) {
+  const double up = files::FromMessage(world_sensor).linear()(2, 2);
+  return std::asin(std::clamp(-up, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+std::string CameraText(const v1::Cell& cell) {
+  if (cell.has_flange_sensor_pose()) {
+    return absl::StrCat("on the robot's flange, ", PoseText(cell.flange_sensor_pose()));
+  }
+  if (!cell.has_sensor_pose()) return "unknown; calibrate it with: graspdb cells level";
+  return absl::StrFormat("%s; looks down by %.1f degrees", PoseText(cell.sensor_pose()),
+                         LookDownDeg(cell.sensor_pose()));
+}
 
 struct SetOptions {
   std::string id;
@@ -208,6 +258,51 @@ void AddCellsCommand(CLI::App& app, const GlobalOptions& global, Action* action)
   remove->callback([=, &global] {
     *action = [=, &global] { return Connect(global).DeleteCell(ResourceName("cells", *id)); };
   });
+}
+
+std::string CellText(const v1::Cell& cell) {
+  std::string out = absl::StrCat(cell.name(), cell.display_name().empty() ? "" : ", ",
+                                 PrintableText(cell.display_name()), "\n");
+  absl::StrAppend(&out, "  camera     ", CameraText(cell), "\n");
+  absl::StrAppend(&out, "  robot      ",
+                  cell.has_robot_base_pose() ? PoseText(cell.robot_base_pose())
+                                             : "its base is the world's origin",
+                  "\n");
+  if (cell.has_region_of_interest()) {
+    absl::StrAppend(&out, "  region     ", BoxText(cell.region_of_interest()), "\n");
+  }
+  if (cell.has_workspace()) {
+    absl::StrAppend(&out, "  workspace  ", BoxText(cell.workspace()), "\n");
+  }
+  if (!cell.labels().empty()) {
+    absl::StrAppend(&out, "  labels     ", absl::StrJoin(cell.labels(), ", "), "\n");
+  }
+  if (cell.include_drafts()) absl::StrAppend(&out, "  drafts     recognised\n");
+  if (cell.has_pipeline()) {
+    absl::StrAppend(&out, "  pipeline   ", cell.pipeline().ShortDebugString(), "\n");
+  }
+  return out;
+}
+
+absl::Status CheckCellUnits(const v1::Cell& cell) {
+  absl::Status status =
+      CheckLength("--sensor-pose", LargestOf(cell.sensor_pose().position()), kFarthestInCellM);
+  status.Update(CheckLength("--robot-base-pose", LargestOf(cell.robot_base_pose().position()),
+                            kFarthestInCellM));
+  status.Update(CheckLength("--flange-sensor-pose", LargestOf(cell.flange_sensor_pose().position()),
+                            kFarthestOnFlangeM));
+  status.Update(CheckLength("--region", LargestOf(cell.region_of_interest()), kFarthestInCellM));
+  status.Update(CheckLength("--workspace", LargestOf(cell.workspace()), kFarthestInCellM));
+  return status;
+}
+
+absl::StatusOr<v1::Cell> SaveCell(Client& client, const v1::UpdateCellRequest& update,
+                                  bool is_there) {
+  if (is_there) return client.UpdateCell(update);
+  v1::CreateCellRequest create;
+  create.set_cell_id(update.cell().name().substr(std::string("cells/").size()));
+  *create.mutable_cell() = update.cell();
+  return client.CreateCell(create);
 }
 
 }  // namespace graspdb::client

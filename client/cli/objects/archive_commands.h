@@ -1,10 +1,14 @@
 // `export` and `import` of archives.
 #pragma once
 
+#include <google/protobuf/struct.pb.h>
+
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "client/archive/archive_import.h"
 #include "client/cli/base/command.h"
 
 namespace graspdb::client {
@@ -32,5 +36,17 @@ std::vector<std::string> OnConflictNames();
 
 // Reads the whole file, compares it with the server, prints the comparison, and imports it.
 absl::Status RunArchiveImport(const GlobalOptions& global, const ArchiveImportFlags& flags);
+
+// Records of a kind that are created or replaced.
+std::int64_t CountOf(const files::ArchiveIndex& index, const ArchiveComparison& comparison,
+                     files::ArchiveKind kind);
+
+// A table of kinds and states, then DifferencesText() and notes.
+std::string ComparisonText(const files::ArchiveIndex& index, const ArchiveComparison& comparison);
+// A line for each of the first records that the server has with other content.
+std::string DifferencesText(const files::ArchiveIndex& index, const ArchiveComparison& comparison);
+// All of it.
+google::protobuf::Struct ComparisonDocument(const files::ArchiveIndex& index,
+                                            const ArchiveComparison& comparison);
 
 }  // namespace graspdb::client

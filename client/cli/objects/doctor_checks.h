@@ -1,4 +1,5 @@
-// What `graspdb doctor` looks for. Pure functions.
+// What `graspdb doctor` looks for and reports. Pure functions; those of a server beside its
+// catalogue are in doctor_server_checks.cc.
 #pragma once
 
 #include <cstddef>
@@ -7,14 +8,42 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
-#include "client/cli/objects/doctor_finding.h"
 #include "graspdb/v1/catalog_service.pb.h"
 #include "graspdb/v1/cell.pb.h"
 #include "graspdb/v1/thresholds.pb.h"
 #include "graspdb/v1/upload_service.pb.h"
 
 namespace graspdb::client {
+
+enum class Severity { kAdvice, kWarning, kError };
+
+// Something to look at.
+struct Finding {
+  Severity severity = Severity::kAdvice;
+  std::string subject;  // resource name, "server" or "client"
+  std::string text;     // what is wrong, and what to do
+};
+using Findings = std::vector<Finding>;
+
+// The text is that of the parts, one behind the other, as of absl::StrCat.
+template <typename... Parts>
+void AddFinding(Findings* out, Severity severity, std::string_view subject, const Parts&... parts) {
+  out->push_back({severity, std::string(subject), absl::StrCat(parts...)});
+}
+template <typename... Parts>
+void AddAdvice(Findings* out, std::string_view subject, const Parts&... parts) {
+  AddFinding(out, Severity::kAdvice, subject, parts...);
+}
+template <typename... Parts>
+void AddWarning(Findings* out, std::string_view subject, const Parts&... parts) {
+  AddFinding(out, Severity::kWarning, subject, parts...);
+}
+template <typename... Parts>
+void AddError(Findings* out, std::string_view subject, const Parts&... parts) {
+  AddFinding(out, Severity::kError, subject, parts...);
+}
 
 // Whether the camera of a cell sees its region, as far as its pose is known.
 void CheckCameraView(const v1::Cell& cell, Findings* out);
@@ -59,5 +88,31 @@ void CheckLabels(const v1::Cell& cell, const std::set<std::string>& labels, Find
 
 // Uploads that seem to be forgotten.
 void CheckUpload(const v1::Upload& upload, absl::Time now, Findings* out);
+
+// Backups that fail, are missing or old.
+void CheckBackups(const v1::CatalogStatus& status, Findings* out);
+
+// Space on the disks of the database and of the backups.
+void CheckDisks(const v1::CatalogStatus& status, Findings* out);
+
+// Changes that the server rejects since its disk fails or is full.
+void CheckWrites(const v1::ServerState& state, Findings* out);
+
+// Files of the database that are missing or damaged.
+void CheckDatabaseFiles(const v1::ServerState& state, Findings* out);
+
+// Files of the settings that cannot be used, and audit records that are lost.
+void CheckFiles(const v1::ServerState& state, Findings* out);
+
+// The certificate of that flag, which expires at `end`. `subject` is "server" or "client".
+void CheckCertificate(std::string_view subject, std::string_view flag, absl::Time end,
+                      absl::Time now, Findings* out);
+
+// The server's clock against this machine's, whose times are those before and after the call.
+void CheckClock(const v1::ServerState& state, absl::Time before, absl::Time after, Findings* out);
+
+// Whether the index has the changes of the catalogue: those of the status `first` in the status
+// `later`, as a change of the moment is not in it yet.
+void CheckIndex(const v1::CatalogStatus& first, const v1::CatalogStatus& later, Findings* out);
 
 }  // namespace graspdb::client

@@ -11,7 +11,6 @@
 #include "client/cli/base/progress_line.h"
 #include "client/cli/objects/commands.h"
 #include "client/cli/objects/doctor_checks.h"
-#include "client/cli/objects/doctor_server_checks.h"
 #include "client/teaching/turntable/look_alikes_text.h"
 #include "files/base/json_object.h"
 #include "program/text/printable_text.h"

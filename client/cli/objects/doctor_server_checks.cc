@@ -1,5 +1,3 @@
-#include "client/cli/objects/doctor_server_checks.h"
-
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/base/cache_text.h"
 #include "client/cli/base/counted.h"
+#include "client/cli/objects/doctor_checks.h"
 #include "program/text/printable_text.h"
 
 namespace graspdb::client {

@@ -1,6 +1,5 @@
 #include "client/cli/recognize/scan_source.h"
 
-#include <filesystem>
 #include <map>
 #include <utility>
 

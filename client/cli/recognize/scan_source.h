@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "graspdb/v1/capture_set.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"

@@ -11,7 +11,6 @@
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
-#include "client/cli/base/command_line.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.pb.h"
 #include "server/base/errors.h"

@@ -1,7 +1,6 @@
-#include "client/cli/cells/cell_text.h"
-
 #include <gmock/gmock.h>
 
+#include "client/cli/cells/commands.h"
 #include "files/messages/pose_message.h"
 #include "rendering/camera/depth_camera.h"
 

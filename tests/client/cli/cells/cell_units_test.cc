@@ -1,7 +1,6 @@
-#include "client/cli/cells/cell_units.h"
-
 #include <gmock/gmock.h>
 
+#include "client/cli/cells/commands.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -1,8 +1,7 @@
-#include "client/cli/objects/archive_text.h"
-
 #include <gmock/gmock.h>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/objects/archive_commands.h"
 
 namespace graspdb::client {
 namespace {

@@ -1,11 +1,11 @@
 // Findings of `graspdb doctor` about a server.
-#include "client/cli/objects/doctor_server_checks.h"
-
 #include <gmock/gmock.h>
 #include <google/protobuf/util/time_util.h>
 
 #include <cstdint>
 #include <string>
+
+#include "client/cli/objects/doctor_checks.h"
 
 namespace graspdb::client {
 namespace {

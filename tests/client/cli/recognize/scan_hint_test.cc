@@ -1,7 +1,6 @@
-#include "client/cli/recognize/scan_hint.h"
-
 #include <gmock/gmock.h>
 
+#include "client/cli/recognize/commands.h"
 #include "files/messages/cloud_message.h"
 #include "files/messages/depth_message.h"
 

@@ -1,10 +1,9 @@
 // Unattended teaching.
-#include "client/cli/teach/unattended_prompt.h"
-
 #include <gmock/gmock.h>
 
 #include <vector>
 
+#include "client/cli/teach/guided_teach.h"
 #include "program/base/monotonic_time.h"
 
 namespace graspdb::client {
