@@ -1,6 +1,9 @@
 // The commands of `graspdb-lab`.
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <string>
+
 #include "client/cli/base/command.h"
 
 namespace graspdb::lab {
@@ -16,5 +19,9 @@ void AddSimulateCommand(CLI::App& app, client::Action* action);
 
 // Adds `eval MESH…`, which prints a line for each case.
 void AddEvalCommand(CLI::App& app, client::Action* action);
+
+// "graspdb eval a.ply --trials 3": the options that are set on the command line, in the environment
+// or in a file, in the order in which the command declares them, quoted for a shell.
+std::string CommandText(const CLI::App& command);
 
 }  // namespace graspdb::lab

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "lab/experiment/experiment_run.h"
-#include "lab/experiment/trials/trial_source.h"
+#include "lab/experiment/trials/cases.h"
 
 namespace graspdb::lab {
 

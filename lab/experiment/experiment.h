@@ -1,6 +1,7 @@
 // Runs a case: teaches, recognizes, judges.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <vector>
 
@@ -10,7 +11,6 @@
 #include "lab/experiment/gallery.h"
 #include "lab/experiment/trials/cases.h"
 #include "lab/experiment/trials/part_set.h"
-#include "lab/experiment/trials/trial_source.h"
 
 namespace graspdb::lab {
 
@@ -44,5 +44,9 @@ struct CaseSummary {
   double unknown_rejected = 0;  // share of these
 };
 CaseSummary Summarize(const CaseResult& result);
+
+// Positions in `result.answers`, the worst first: wrong objects, then by the farthest point.
+// Rejected unknown objects are left out, since there is nothing to show.
+std::vector<std::size_t> WorstFirst(const CaseResult& result);
 
 }  // namespace graspdb::lab

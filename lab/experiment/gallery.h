@@ -10,7 +10,6 @@
 #include "absl/status/statusor.h"
 #include "lab/experiment/experiment_run.h"
 #include "lab/experiment/trials/cases.h"
-#include "lab/experiment/trials/trial_source.h"
 #include "recognition/models/clouds_in_memory.h"
 #include "recognition/recognizer.h"
 

@@ -1,11 +1,8 @@
 // Reports of a load test.
 #pragma once
 
-#include <array>
-#include <chrono>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "graspdb/v1/catalog_service.pb.h"
@@ -23,29 +20,6 @@ struct LoadReport {
   LoadPlan plan;
   LoadResult result;
 };
-
-// The percentiles of the report.
-inline constexpr std::array kPercentiles = {10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0, 99.9, 99.99};
-// A request sent later than this after its due time is late.
-inline constexpr std::chrono::milliseconds kLate{1};
-
-inline double Milliseconds(std::chrono::nanoseconds time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
-// Share of a step in the latency of all requests, also of those without it; 0 to 1.
-double ShareOf(const Step& step, const Tally& tally);
-
-// Number of requests by latency.
-struct LatencyBin {
-  std::chrono::nanoseconds from{0};
-  std::chrono::nanoseconds to{0};  // excluded, except for the last
-  std::int64_t count = 0;
-};
-
-// Ten bins of equal width up to the 99th percentile and one for the rest, so that outliers do not
-// compress all others into the first. Fewer if all times are equal; none without times.
-std::vector<LatencyBin> BinsOf(const LatencyHistogram& histogram);
 
 // Several lines for a user.
 std::string LoadText(const LoadReport& report);

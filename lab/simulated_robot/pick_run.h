@@ -11,9 +11,26 @@
 
 #include "absl/status/statusor.h"
 #include "client/cell/robots/gri/gri_client.h"
-#include "lab/simulated_robot/pick_judge.h"
+#include "recognition/base/types.h"
+#include "rendering/capture_plan.h"
+#include "rendering/workpiece.h"
 
 namespace graspdb::lab {
+
+// Error of a tool pose from the nearest taught grasp of all objects in a scene.
+struct PickError {
+  std::string object;  // id; empty where there is no grasp in the scene
+  std::string grasp_id;
+  double shift_m = 0;
+  double turn_rad = 0;
+};
+
+bool WouldHold(const PickError& error);
+
+// Compares `world_tcp` (T_world_tcp) to the grasps of the objects in `scene`, modulo the symmetry
+// of each workpiece about its z axis.
+PickError JudgePick(const std::vector<rendering::Workpiece>& parts,
+                    const rendering::PlannedCapture& scene, const recognition::Pose& world_tcp);
 
 struct PickRunOptions {
   std::filesystem::path scene;  // the folder that the agent's simulated camera reads

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "files/messages/pose_message.h"
 #include "graspdb/v1/cell.pb.h"
-#include "lab/simulated_robot/pick_judge.h"
+#include "lab/simulated_robot/pick_run.h"
 #include "program/connections/listen_address.h"
 #include "rendering/sample_parts.h"
 #include "rendering/scene_file.h"

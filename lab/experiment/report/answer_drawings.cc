@@ -8,7 +8,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "lab/experiment/gallery.h"
-#include "lab/experiment/kept_scans.h"
 #include "lab/experiment/report/case_figures.h"
 
 namespace graspdb::lab {

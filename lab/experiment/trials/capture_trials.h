@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "absl/status/statusor.h"
-#include "lab/experiment/trials/trial_source.h"
+#include "lab/experiment/trials/cases.h"
 
 namespace graspdb::lab {
 

@@ -1,6 +1,7 @@
 #include "lab/experiment/trials/cases.h"
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -13,6 +14,34 @@ namespace graspdb::lab {
 namespace {
 
 enum ObstacleStream : std::uint64_t { kObstacleSide = 100 };
+
+// The obstacle of a query; none unless the case hides something.
+Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query) {
+  return {.hidden_share = experiment.hidden_share,
+          .direction_rad = 2 * std::numbers::pi *
+                           rendering::RandomUniform(experiment.seed, kObstacleSide, query),
+          .cut_out = experiment.cut_out};
+}
+
+// With the obstacles of `query_case` if it is not null.
+absl::StatusOr<TrialSource> Rendered(std::vector<rendering::PlannedCapture> plan,
+                                     const PartSet& set, const rendering::DepthCameraModel& camera,
+                                     const ExperimentCase* query_case) {
+  ASSIGN_OR_RETURN(auto made, TrialRenderer::Create(set.parts, camera));
+  struct Shared {
+    TrialRenderer renderer;
+    std::vector<rendering::PlannedCapture> plan;
+  };
+  auto shared = std::make_shared<const Shared>(Shared{std::move(made), std::move(plan)});
+  const std::size_t count = shared->plan.size();
+  if (query_case == nullptr) {
+    return TrialSource{
+        count, [shared](std::size_t i) { return shared->renderer.Render(shared->plan[i]); }};
+  }
+  return TrialSource{count, [shared, experiment = *query_case](std::size_t i) {
+                       return shared->renderer.Render(shared->plan[i], ObstacleOf(experiment, i));
+                     }};
+}
 
 // Footprints are points, of which neighbours are some millimetres apart: objects with this gap
 // between them touch, or nearly.
@@ -179,11 +208,15 @@ absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanQueries(const Experim
   return plan;
 }
 
-Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query) {
-  return {.hidden_share = experiment.hidden_share,
-          .direction_rad = 2 * std::numbers::pi *
-                           rendering::RandomUniform(experiment.seed, kObstacleSide, query),
-          .cut_out = experiment.cut_out};
+absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment,
+                                                const PartSet& set) {
+  ASSIGN_OR_RETURN(auto teaching, PlanTeaching(experiment, set));
+  ASSIGN_OR_RETURN(auto planned, PlanQueries(experiment, set));
+  ASSIGN_OR_RETURN(auto taught,
+                   Rendered(std::move(teaching), set, experiment.taught.camera, nullptr));
+  ASSIGN_OR_RETURN(auto queries,
+                   Rendered(std::move(planned), set, experiment.queried.camera, &experiment));
+  return ExperimentTrials{std::move(taught), std::move(queries), false};
 }
 
 }  // namespace graspdb::lab

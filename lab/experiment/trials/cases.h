@@ -1,6 +1,8 @@
 // The cases of the experiment: captures to teach and queries.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -51,7 +53,24 @@ absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanTeaching(
 absl::StatusOr<std::vector<rendering::PlannedCapture>> PlanQueries(const ExperimentCase& experiment,
                                                                    const PartSet& set);
 
-// The obstacle of a query; none unless the case hides something.
-Obstacle ObstacleOf(const ExperimentCase& experiment, std::size_t query);
+// Trials that are made on demand, since together they do not fit into memory.
+struct TrialSource {
+  std::size_t count = 0;
+  // Of 0 … count - 1; thread-safe, and always the same.
+  std::function<absl::StatusOr<Trial>(std::size_t)> make;
+};
+
+// Trials to teach and queries of an experiment.
+struct ExperimentTrials {
+  TrialSource teaching;
+  TrialSource queries;
+  // Trial i of `queries` is trial i of `teaching`, and is recognized without that view.
+  bool leave_one_out = false;
+};
+
+// Rendered trials of a case; `set` outlives them. Errors as PlanTeaching, PlanQueries and
+// TrialRenderer::Create.
+absl::StatusOr<ExperimentTrials> RenderedTrials(const ExperimentCase& experiment,
+                                                const PartSet& set);
 
 }  // namespace graspdb::lab

@@ -4,12 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "recognition/frame/frame.h"
 #include "recognition/segmentation/region.h"

@@ -1,6 +1,6 @@
-#include "lab/commands/command_text.h"
-
 #include <gtest/gtest.h>
+
+#include "lab/commands/commands.h"
 
 namespace graspdb::lab {
 namespace {

@@ -1,9 +1,9 @@
-#include "lab/commands/frame_picture.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <limits>
+
+#include "lab/commands/frames_run.h"
 
 namespace graspdb::lab {
 namespace {

@@ -1,10 +1,9 @@
-#include "lab/experiment/trials/drop_poses.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
 
 #include "lab/experiment/experiment.h"
+#include "lab/experiment/trials/part_set.h"
 #include "rendering/meshes/mesh_file.h"
 #include "rendering/meshes/solid.h"
 #include "tests/files/temporary_folder.h"

@@ -1,9 +1,8 @@
 // Hand-made poses of a bracket on the table, and how far they count.
-#include "lab/experiment/pose_stages.h"
-
 #include <gmock/gmock.h>
 
 #include "lab/experiment/gallery.h"
+#include "lab/experiment/real_frames.h"
 #include "rendering/sample_parts.h"
 #include "tests/testing/status_matchers.h"
 

@@ -1,7 +1,7 @@
 // Counts of answers and errors in a load test.
-#include "lab/load/tally.h"
-
 #include <gmock/gmock.h>
+
+#include "lab/load/load_run.h"
 
 namespace graspdb::lab {
 namespace {

@@ -1,8 +1,7 @@
-#include "lab/simulated_robot/pick_judge.h"
-
 #include <gmock/gmock.h>
 
 #include "files/messages/pose_message.h"
+#include "lab/simulated_robot/pick_run.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::lab {

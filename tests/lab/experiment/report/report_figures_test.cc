@@ -3,10 +3,9 @@
 
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "lab/experiment/kept_scans.h"
-#include "lab/experiment/report/bop_csv.h"
+#include "lab/experiment/experiment.h"
 #include "lab/experiment/report/case_figures.h"
-#include "lab/experiment/report/frames_report.h"
+#include "lab/experiment/report/report_writer.h"
 #include "tests/lab/experiment/hand_made_case.h"
 
 namespace graspdb::lab {

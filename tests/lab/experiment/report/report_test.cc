@@ -10,7 +10,6 @@
 #include "absl/strings/str_split.h"
 #include "lab/experiment/report/case_figures.h"
 #include "lab/experiment/report/report_json.h"
-#include "lab/experiment/report/report_markdown.h"
 #include "lab/experiment/report/report_writer.h"
 #include "tests/lab/experiment/hand_made_case.h"
 #include "tests/testing/status_matchers.h"

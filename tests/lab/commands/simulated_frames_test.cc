@@ -1,9 +1,9 @@
 // Frames for a load test without files.
-#include "lab/load/simulated_frames.h"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
+
+#include "lab/commands/bench_frames.h"
 
 namespace graspdb::lab {
 namespace {
