@@ -9,8 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "files/depth/depth_png.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 
 namespace graspdb::files {

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "recognition/base/stages.h"
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/index/catalogue_snapshot.h"
 #include "recognition/matching/detection.h"
 #include "recognition/matching/matching_parameters.h"

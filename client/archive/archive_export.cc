@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/archives/archive_writer.h"
+#include "files/archives/archive_file.h"
 
 namespace graspdb::client {
 namespace {

@@ -11,7 +11,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 #include "base/status_macros.h"
-#include "files/messages/cloud_message.h"
+#include "files/messages/scan_message.h"
 
 namespace graspdb::files {
 namespace {

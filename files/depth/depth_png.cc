@@ -19,7 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "files/base/atomic_file.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 
 namespace graspdb::files {
 namespace {

@@ -5,8 +5,8 @@
 #include "client/cli/base/command.h"
 #include "client/cli/base/splits.h"
 #include "client/cli/recognize/scan_source.h"
-#include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 

@@ -16,7 +16,6 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
-#include "lab/commands/frames_run.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/gallery.h"

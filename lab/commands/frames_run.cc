@@ -1,5 +1,3 @@
-#include "lab/commands/frames_run.h"
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -16,6 +14,7 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
+#include "lab/commands/eval_run.h"
 #include "lab/experiment/report/case_figures.h"
 #include "lab/experiment/report/report_writer.h"
 #include "lab/experiment/trials/composites.h"

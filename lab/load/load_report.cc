@@ -1,10 +1,7 @@
 #include "lab/load/load_report.h"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <cmath>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -13,9 +10,6 @@
 
 namespace graspdb::lab {
 namespace {
-
-// The percentiles of the report.
-constexpr std::array kPercentiles = {10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0, 99.9, 99.99};
 
 // A request sent later than this after its due time is late.
 constexpr std::chrono::milliseconds kLate{1};
@@ -30,35 +24,7 @@ double ShareOf(const Step& step, const Tally& tally) {
   return all > 0 ? Milliseconds(step.times.Sum()) / all : 0;
 }
 
-// Number of requests by latency.
-struct LatencyBin {
-  std::chrono::nanoseconds from{0};
-  std::chrono::nanoseconds to{0};  // excluded, except for the last
-  std::int64_t count = 0;
-};
-
 constexpr int kBins = 10;
-
-// Ten bins of equal width up to the 99th percentile and one for the rest, so that outliers do not
-// compress all others into the first. Fewer if all times are equal; none without times.
-std::vector<LatencyBin> BinsOf(const LatencyHistogram& histogram) {
-  std::vector<LatencyBin> out;
-  if (histogram.count() == 0) return out;
-  const std::chrono::nanoseconds low = histogram.Min();
-  const std::chrono::nanoseconds width = (histogram.Percentile(99) - low) / kBins;
-  std::int64_t below = 0;
-  for (int i = 0; i < kBins && width.count() > 0; ++i) {
-    const std::chrono::nanoseconds end = low + width * (i + 1);
-    const std::int64_t now = histogram.CountBelow(end);
-    out.push_back({low + width * i, end, now - below});
-    below = now;
-  }
-  const std::chrono::nanoseconds last = out.empty() ? low : out.back().to;
-  if (below < histogram.count()) {
-    out.push_back({last, histogram.Max(), histogram.count() - below});
-  }
-  return out;
-}
 
 constexpr double kBarWidth = 40;
 
@@ -211,6 +177,25 @@ std::vector<Step> StepsOf(const LoadReport& report) {
 }
 
 }  // namespace
+
+std::vector<LatencyBin> BinsOf(const LatencyHistogram& histogram) {
+  std::vector<LatencyBin> out;
+  if (histogram.count() == 0) return out;
+  const std::chrono::nanoseconds low = histogram.Min();
+  const std::chrono::nanoseconds width = (histogram.Percentile(99) - low) / kBins;
+  std::int64_t below = 0;
+  for (int i = 0; i < kBins && width.count() > 0; ++i) {
+    const std::chrono::nanoseconds end = low + width * (i + 1);
+    const std::int64_t now = histogram.CountBelow(end);
+    out.push_back({low + width * i, end, now - below});
+    below = now;
+  }
+  const std::chrono::nanoseconds last = out.empty() ? low : out.back().to;
+  if (below < histogram.count()) {
+    out.push_back({last, histogram.Max(), histogram.count() - below});
+  }
+  return out;
+}
 
 absl::StatusOr<std::string> LoadJson(const LoadReport& report) {
   const Tally& tally = report.result.tally;

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "recognition/descriptors/gsh288.h"
 #include "recognition/descriptors/histogram.h"
 #include "recognition/descriptors/vfh308.h"
@@ -190,6 +191,12 @@ absl::StatusOr<Descriptor> Describe(const OrientedCloud& cloud, const Pose& sens
   if (kind == DescriptorKind::kGsh288) return DescribeGsh288(cloud, sensor);
   if (kind == DescriptorKind::kVfh308) return DescribeVfh308(cloud, viewpoint);
   return ViewpointHistogram(cloud, viewpoint, *center, kind);
+}
+
+std::string DescriptorParameters::Fingerprint() const {
+  // The leading number is the version of the code that turns points into bins.
+  return absl::StrFormat("2 %s voxel=%.6f normal=%.6f", DescriptorName(kind), voxel_size_m,
+                         normal_radius_m);
 }
 
 }  // namespace graspdb::recognition

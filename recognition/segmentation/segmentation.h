@@ -10,7 +10,7 @@
 #include "recognition/base/cancellation.h"
 #include "recognition/base/stages.h"
 #include "recognition/base/types.h"
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/points/plane.h"
 #include "recognition/points/scan.h"
 #include "recognition/segmentation/segmentation_parameters.h"

@@ -1,8 +1,12 @@
 #include "server/calls/call_guard.h"
 
+#include <google/protobuf/util/time_util.h>
 #include <grpcpp/security/auth_context.h>
+#include <spdlog/spdlog.h>
 
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -11,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
 #include "base/status_macros.h"
 #include "program/connections/peer_address.h"
 #include "program/log/log_field.h"
@@ -92,6 +97,11 @@ std::vector<CertificateName> CertificateNames(const grpc::ServerContextBase& con
   add("dns:", GRPC_PEER_DNS_PROPERTY_NAME);
   add("cn:", GRPC_X509_CN_PROPERTY_NAME);
   return out;
+}
+
+// TimeUtil::GetCurrentTime() has whole seconds, too few to order calls or to find them in the log.
+google::protobuf::Timestamp AuditTime() {
+  return google::protobuf::util::TimeUtil::MillisecondsToTimestamp(absl::ToUnixMillis(absl::Now()));
 }
 
 }  // namespace
@@ -274,6 +284,56 @@ void CallGuard::NoteForLog(std::string_view key, std::string_view value) {
 
 std::string CallGuard::TakeLogFields() {
   return absl::StrCat(" request_id=", request_id_, std::exchange(notes_, ""));
+}
+
+void RecordRefusedHandshake(const AccessRules& rules, const absl::Status& refused) {
+  const std::string error = BoundedText(std::string(refused.message()), 2 * kMaxStringBytes);
+  spdlog::warn("event=handshake_refused error={}", LogField(error));
+  if (rules.audit == nullptr) return;
+  v1::AuditRecord record;
+  *record.mutable_time() = AuditTime();
+  record.set_method("TLS handshake");
+  record.set_catalog_revision(rules.revision());
+  record.set_code(absl::StatusCodeToString(refused.code()));
+  record.set_error(error);
+  rules.audit->Write(record);
+}
+
+void CallGuard::Record(std::string_view method, const grpc::Status& status,
+                       absl::Duration time) const {
+  if (metrics() != nullptr) metrics()->CountCall(method, status, time);
+  Audit(status);
+}
+
+void CallGuard::Audit(const grpc::Status& status) const {
+  const bool is_refused = status.error_code() == grpc::StatusCode::PERMISSION_DENIED ||
+                          status.error_code() == grpc::StatusCode::UNAUTHENTICATED;
+  if (method_ != nullptr && (is_refused || IsAudited(*method_))) WriteAuditRecord(status);
+}
+
+void CallGuard::WriteAuditRecord(const grpc::Status& status) const {
+  if (rules_.audit == nullptr) return;
+  v1::AuditRecord record;
+  *record.mutable_time() = AuditTime();
+  record.set_identity(identity_);
+  record.set_peer(context_.peer());
+  record.set_method(method_->full_name());
+  for (const std::string& resource : resources_) record.add_resources(resource);
+  record.set_catalog_revision(rules_.revision());
+  record.set_code(absl::StatusCodeToString(static_cast<absl::StatusCode>(status.error_code())));
+  record.set_error(status.error_message());
+  record.set_request_id(request_id_);
+  rules_.audit->Write(record);
+}
+
+void CallGuard::RecordWithoutPlace(std::string_view method, const grpc::Status& status) {
+  if (metrics() != nullptr) metrics()->CountCall(method, status, absl::ZeroDuration());
+  const std::optional<std::int64_t> count = rules_.places->CountRefusal();
+  if (!count) return;
+  spdlog::warn("event=calls_refused count={} method={} identity={} peer={} error={}", *count,
+               method, LogField(identity_), LogField(context_.peer()),
+               LogField(status.error_message()));
+  WriteAuditRecord(status);
 }
 
 }  // namespace graspdb::server

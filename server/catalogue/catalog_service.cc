@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/status_macros.h"
-#include "files/messages/cloud_message.h"
+#include "files/messages/scan_message.h"
 #include "server/base/errors.h"
 #include "server/calls/handle.h"
 #include "server/catalogue/grasp_outcomes.h"

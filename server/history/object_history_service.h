@@ -3,7 +3,7 @@
 
 #include "absl/time/time.h"
 #include "graspdb/v1/object_history_service.grpc.pb.h"
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/history/history.h"
 

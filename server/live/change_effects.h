@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/index/descriptor_index.h"
 #include "server/live/taught_poses.h"
 #include "storage/catalogue/catalogue.h"

@@ -16,7 +16,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "recognition/base/cancellation.h"
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/recognizer.h"
 #include "server/live/filtered_snapshots.h"
 #include "server/live/load_views.h"

@@ -11,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "recognition/base/cancellation.h"
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/index/descriptor_index.h"
 #include "recognition/models/taught.h"
 #include "storage/catalogue/catalogue.h"

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "recognition/base/types.h"
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/index/descriptor_index.h"
 #include "recognition/models/taught.h"
 #include "storage/records.pb.h"

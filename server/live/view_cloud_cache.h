@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/models/taught.h"
 #include "server/base/lru_cache.h"
 #include "storage/catalogue/catalogue.h"

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "base/status_macros.h"
-#include "storage/backups/backup_record.h"
+#include "storage/base/crc32c.h"
+#include "storage/base/little_endian.h"
 
 namespace graspdb::storage {
 namespace {
@@ -46,6 +46,23 @@ absl::Status CheckFoldersReadable(const std::string& directory) {
 }
 
 }  // namespace
+
+std::string EncodeBackupRecord(const BackupRecord& record) {
+  const std::string bytes = record.SerializeAsString();
+  return ToLittleEndian(Crc32c(bytes)) + bytes;
+}
+
+absl::StatusOr<BackupRecord> DecodeBackupRecord(std::string_view bytes) {
+  BackupRecord record;
+  if (bytes.size() > kUint32Bytes) {
+    const std::string_view content = bytes.substr(kUint32Bytes);
+    if (FromLittleEndian(bytes.substr(0, kUint32Bytes)) == Crc32c(content) &&
+        record.ParseFromArray(content.data(), static_cast<int>(content.size()))) {
+      return record;
+    }
+  }
+  return absl::DataLossError("its record is damaged, or of another program");
+}
 
 absl::StatusOr<std::unique_ptr<rocksdb::BackupEngine>> OpenToWrite(const std::string& directory,
                                                                    std::int64_t bytes_per_second,

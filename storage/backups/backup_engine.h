@@ -11,8 +11,15 @@
 #include "absl/status/statusor.h"
 #include "rocksdb/utilities/backup_engine.h"
 #include "storage/backups/backups.h"
+#include "storage/records.pb.h"
 
 namespace graspdb::storage {
+
+// A CRC-32C of the record, 4 bytes, little-endian, and the record.
+std::string EncodeBackupRecord(const BackupRecord& record);
+
+// DATA_LOSS if the bytes are damaged or of another program.
+absl::StatusOr<BackupRecord> DecodeBackupRecord(std::string_view bytes);
 
 // Bytes between two calls of CreateBackupOptions::progress_callback, where a backup is cancelled. A
 // disk that is shared with others writes them in some milliseconds; a call takes less than 1 us.

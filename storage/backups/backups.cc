@@ -14,7 +14,6 @@
 #include "google/protobuf/util/time_util.h"
 #include "rocksdb/utilities/stackable_db.h"
 #include "storage/backups/backup_engine.h"
-#include "storage/backups/backup_record.h"
 #include "storage/backups/operation_mark.h"
 #include "storage/base/restore_advice.h"
 #include "storage/changes/change_log.h"

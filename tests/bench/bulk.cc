@@ -13,8 +13,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client/teaching/upload/bulk_upload.h"
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/sample_parts.h"
 #include "tests/bench/seen_parts.h"
 

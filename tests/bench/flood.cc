@@ -15,7 +15,7 @@
 #include "absl/status/status.h"
 #include "absl/time/time.h"
 #include "client/sdk/client.h"
-#include "files/messages/cloud_message.h"
+#include "files/messages/scan_message.h"
 #include "recognition/base/types.h"
 
 namespace graspdb::bench {

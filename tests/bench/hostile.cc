@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "files/messages/cloud_message.h"
+#include "files/messages/scan_message.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "graspdb/v1/recognition_service.grpc.pb.h"
 #include "recognition/base/types.h"

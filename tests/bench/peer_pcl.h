@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "recognition/base/types.h"
-#include "recognition/descriptors/descriptor_parameters.h"
+#include "recognition/descriptors/descriptor.h"
 #include "recognition/segmentation/segmentation_parameters.h"
 
 namespace graspdb::peer {

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <functional>
 
-#include "lab/load/load_report.h"
+#include "program/base/latency_histogram.h"
 #include "recognition/recognizer.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/frames.h"
@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::size_t kViews = 10'000;
 constexpr int kCandidates = 10;
+
+using Milliseconds = std::chrono::duration<double, std::milli>;
 
 // The peer's catalogue.
 struct PeerCatalogue {
@@ -56,8 +58,8 @@ void Run(benchmark::State& state, const std::vector<const Frame*>& frames,
     }
   }
   state.counters["grasps"] = grasps;
-  state.counters["p50_ms"] = lab::Milliseconds(times.Percentile(50));
-  state.counters["p99_ms"] = lab::Milliseconds(times.Percentile(99));
+  state.counters["p50_ms"] = Milliseconds(times.Percentile(50)).count();
+  state.counters["p99_ms"] = Milliseconds(times.Percentile(99)).count();
 }
 
 int Ours(const Frame& frame, Catalogue& catalogue) {

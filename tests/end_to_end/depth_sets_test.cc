@@ -6,7 +6,7 @@
 
 #include "files/capture_sets/capture_set.h"
 #include "files/depth/depth_png.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 #include "rendering/camera/depth_camera.h"
 #include "tests/end_to_end/programs_fixture.h"

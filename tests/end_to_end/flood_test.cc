@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "client/sdk/client.h"
-#include "files/messages/cloud_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/end_to_end/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 

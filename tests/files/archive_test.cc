@@ -5,10 +5,10 @@
 #include <functional>
 
 #include "absl/strings/str_cat.h"
+#include "files/archives/archive_file.h"
 #include "files/archives/archive_index.h"
-#include "files/archives/archive_writer.h"
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
 #include "tests/files/temporary_folder.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/strings/escaping.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "files/depth/depth_png.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 #include "graspdb/v1/catalog.pb.h"
 #include "tests/files/temporary_folder.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "files/archives/archive_file.h"
 #include "files/archives/archive_index.h"
-#include "files/archives/archive_writer.h"
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
 #include "tests/fuzz/bytes_target.h"

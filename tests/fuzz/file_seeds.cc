@@ -3,7 +3,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "files/archives/archive_file.h"
-#include "files/archives/archive_writer.h"
 #include "files/capture_sets/capture_set.h"
 #include "files/depth/depth_png.h"
 #include "files/points/point_file.h"

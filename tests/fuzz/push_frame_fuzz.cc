@@ -4,8 +4,7 @@
 #include <variant>
 
 #include "client/cell/sensors/push/push_sensor.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/fuzz/message_target.h"
 #include "tests/fuzz/requirement.h"
 

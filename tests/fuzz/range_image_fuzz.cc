@@ -11,8 +11,7 @@
 
 #include "client/cell/sensors/genicam/range_image.h"
 #include "client/cell/sensors/video/v4l2_sensor.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/fuzz/range_image_input.h"
 #include "tests/fuzz/requirement.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "storage/backups/backup_record.h"
+#include "storage/backups/backup_engine.h"
 #include "storage/base/crc32c.h"
 #include "storage/base/little_endian.h"
 #include "storage/database/log_check.h"

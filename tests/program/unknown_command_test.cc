@@ -1,8 +1,8 @@
-#include "program/unknown_command.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "program/settings_file.h"
 
 namespace graspdb {
 namespace {

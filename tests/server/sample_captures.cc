@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "recognition/points/depth_image.h"
 #include "recognition/segmentation/segmentation.h"
 #include "rendering/camera/depth_camera.h"

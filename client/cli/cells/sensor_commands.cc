@@ -17,8 +17,7 @@
 #include "client/cli/cells/commands.h"
 #include "files/base/json_object.h"
 #include "files/depth/depth_png.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 #include "rendering/sample_parts.h"
 

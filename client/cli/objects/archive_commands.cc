@@ -85,6 +85,39 @@ std::string NotesText(const ArchiveComparison& comparison) {
   return out;
 }
 
+std::string ResultText(const ArchiveComparison& comparison, const ArchiveImportCounts& counts,
+                       const v1::CatalogStatus& status) {
+  std::string out = absl::StrFormat(
+      "created %s, %s and %s, replaced %s; %d were the same, %d stay as they are on the server\n",
+      Counted(counts.created_objects, "object"),
+      Counted(counts.created_stable_poses, "stable pose"), Counted(counts.created_views, "view"),
+      Counted(counts.replaced, "record"), comparison.CountOf(ArchiveState::kSame),
+      std::ranges::count(comparison.actions, ArchiveAction::kKeep));
+  out += NotesText(comparison);
+  if (counts.raised_outcomes > 0) {
+    absl::StrAppend(&out, "raised the counts of picks of ",
+                    Counted(counts.raised_outcomes, "stable pose"), "\n");
+  }
+  return out + absl::StrCat("the catalogue has ", Counted(status.view_count(), "view"), " of ",
+                            Counted(status.object_count(), "object"), "\n");
+}
+
+google::protobuf::Struct ResultDocument(const files::ArchiveIndex& index,
+                                        const ArchiveComparison& comparison,
+                                        const ArchiveImportCounts& counts,
+                                        const v1::CatalogStatus& status) {
+  google::protobuf::Struct out;
+  files::JsonObject object(&out);
+  SetComparison(index, comparison, object);
+  object.Set(files::Json("createdObjects", counts.created_objects),
+             files::Json("createdStablePoses", counts.created_stable_poses),
+             files::Json("createdViews", counts.created_views),
+             files::Json("replaced", counts.replaced),
+             files::Json("raisedOutcomes", counts.raised_outcomes),
+             files::Json("catalogRevision", status.catalog_revision()));
+  return out;
+}
+
 constexpr std::pair<const char*, OnConflict> kOnConflict[] = {{"fail", OnConflict::kFail},
                                                               {"keep", OnConflict::kKeep},
                                                               {"replace", OnConflict::kReplace},
@@ -229,39 +262,6 @@ class ArchiveCommand {
 };
 
 // What an import did.
-std::string ResultText(const ArchiveComparison& comparison, const ArchiveImportCounts& counts,
-                       const v1::CatalogStatus& status) {
-  std::string out = absl::StrFormat(
-      "created %s, %s and %s, replaced %s; %d were the same, %d stay as they are on the server\n",
-      Counted(counts.created_objects, "object"),
-      Counted(counts.created_stable_poses, "stable pose"), Counted(counts.created_views, "view"),
-      Counted(counts.replaced, "record"), comparison.CountOf(ArchiveState::kSame),
-      std::ranges::count(comparison.actions, ArchiveAction::kKeep));
-  out += NotesText(comparison);
-  if (counts.raised_outcomes > 0) {
-    absl::StrAppend(&out, "raised the counts of picks of ",
-                    Counted(counts.raised_outcomes, "stable pose"), "\n");
-  }
-  return out + absl::StrCat("the catalogue has ", Counted(status.view_count(), "view"), " of ",
-                            Counted(status.object_count(), "object"), "\n");
-}
-
-google::protobuf::Struct ResultDocument(const files::ArchiveIndex& index,
-                                        const ArchiveComparison& comparison,
-                                        const ArchiveImportCounts& counts,
-                                        const v1::CatalogStatus& status) {
-  google::protobuf::Struct out;
-  files::JsonObject object(&out);
-  SetComparison(index, comparison, object);
-  object.Set(files::Json("createdObjects", counts.created_objects),
-             files::Json("createdStablePoses", counts.created_stable_poses),
-             files::Json("createdViews", counts.created_views),
-             files::Json("replaced", counts.replaced),
-             files::Json("raisedOutcomes", counts.raised_outcomes),
-             files::Json("catalogRevision", status.catalog_revision()));
-  return out;
-}
-
 }  // namespace
 
 bool IsArchivePath(const std::filesystem::path& path) {

@@ -8,8 +8,8 @@
 #include "client/cli/objects/archive_commands.h"
 #include "client/cli/objects/commands.h"
 #include "files/capture_sets/capture_set.h"
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 
 namespace graspdb::client {

@@ -8,7 +8,6 @@
 #include "client/cli/recognize/commands.h"
 #include "files/points/point_file.h"
 #include "recognition/descriptors/descriptor.h"
-#include "recognition/descriptors/descriptor_parameters.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
 

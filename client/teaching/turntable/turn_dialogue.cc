@@ -5,7 +5,7 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/teaching/upload/view_upload.h"
-#include "files/messages/cloud_message.h"
+#include "files/messages/scan_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "absl/status/status.h"
 #include "base/status_macros.h"
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "recognition/points/nearest_grid.h"
 #include "recognition/points/normals.h"
 

@@ -13,8 +13,6 @@
 #include "client/cell/agent/jobs/cell_frames.h"
 #include "client/cell/calibration/target/still_scan.h"
 #include "client/teaching/upload/view_upload.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
 #include "files/messages/scan_message.h"
 

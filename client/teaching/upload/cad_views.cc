@@ -8,9 +8,8 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/random/counter_random.h"
 #include "rendering/simulation.h"
 

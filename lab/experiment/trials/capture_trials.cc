@@ -10,9 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "files/capture_sets/capture_set.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "files/scan_file.h"
 #include "rendering/mesh_part.h"
 

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "client/archive/archive_comparison.h"
-#include "files/archives/archive_writer.h"
+#include "files/archives/archive_file.h"
 #include "tests/client/archive/archive_fixture.h"
 
 namespace graspdb::client {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "lab/commands/frames_run.h"
+#include "lab/commands/eval_run.h"
 
 namespace graspdb::lab {
 namespace {

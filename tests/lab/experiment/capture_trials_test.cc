@@ -4,7 +4,7 @@
 
 #include "files/capture_sets/capture_set.h"
 #include "files/depth/depth_png.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 #include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "recognition/descriptors/descriptor.h"
-#include "recognition/descriptors/descriptor_parameters.h"
 #include "tests/recognition/descriptor_parts.h"
 #include "tests/recognition/synthetic_clouds.h"
 

@@ -7,7 +7,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/backups/backup_record.h"
+#include "storage/backups/backup_engine.h"
 #include "storage/backups/backups.h"
 #include "storage/changes/schema.h"
 #include "tests/storage/backup_fixture.h"

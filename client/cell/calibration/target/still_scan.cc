@@ -8,8 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/time/clock.h"
 #include "base/status_macros.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 
 namespace graspdb::client {
 namespace {

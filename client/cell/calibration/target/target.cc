@@ -9,8 +9,8 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "client/cell/calibration/target/gripped_target.h"
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
 

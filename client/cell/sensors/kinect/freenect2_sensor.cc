@@ -14,7 +14,7 @@
 #include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/lens_table.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -22,7 +22,7 @@
 #include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "program/log/log_field.h"
 
 // fakenect, which replaces the library, lacks some of its functions.

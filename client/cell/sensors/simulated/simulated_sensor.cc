@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/status_macros.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/simulation.h"
 
 namespace graspdb::client {

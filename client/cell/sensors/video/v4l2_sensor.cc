@@ -17,7 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "client/cell/sensors/frame_mailbox.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "program/log/log_field.h"
 
 namespace graspdb::client {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/capture_plan.h"
 #include "rendering/simulation.h"
 #include "tests/rendering/small_kinect.h"

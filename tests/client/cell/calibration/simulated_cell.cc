@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "client/cell/robots/pose_format.h"
-#include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/camera/scene.h"
 #include "rendering/meshes/solid.h"
 #include "tests/rendering/small_kinect.h"

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/testing/status_matchers.h"
 

@@ -9,7 +9,7 @@
 #include "absl/time/clock.h"
 #include "client/cell/sensors/kinds/open_sensor.h"
 #include "files/depth/depth_png.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "program/log/log.h"
 
 namespace graspdb::client {

@@ -1,8 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "client/cli/recognize/commands.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 
 namespace graspdb::client {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "client/teaching/turntable/view_taking.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

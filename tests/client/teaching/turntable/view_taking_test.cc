@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "graspdb/v1/catalog_service.grpc.pb.h"
 #include "tests/client/cell/agent/fake_camera.h"
 #include "tests/testing/status_matchers.h"

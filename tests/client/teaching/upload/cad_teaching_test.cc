@@ -3,8 +3,8 @@
 
 #include "client/teaching/mesh/cad_part.h"
 #include "client/teaching/upload/cad_views.h"
-#include "files/messages/cloud_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/camera/depth_camera.h"
 #include "rendering/meshes/solid.h"
 #include "rendering/random/counter_random.h"

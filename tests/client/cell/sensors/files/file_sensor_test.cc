@@ -5,8 +5,8 @@
 
 #include "files/capture_sets/capture_set.h"
 #include "files/depth/depth_png.h"
-#include "files/messages/depth_message.h"
 #include "files/messages/pose_message.h"
+#include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/recognition/shared_data.h"

@@ -5,8 +5,7 @@
 
 #include "client/cell/sensors/genicam/genicam_sensor.h"
 #include "client/cell/sensors/kinds/open_sensor.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/client/cell/sensors/genicam/fake_camera.h"
 #include "tests/testing/own_network.h"
 #include "tests/testing/status_matchers.h"

@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -11,7 +11,7 @@
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "files/capture_sets/capture_set.h"
 #include "files/depth/depth_png.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/sample_parts.h"
 #include "tests/end_to_end/process.h"
 #include "tests/files/temporary_folder.h"

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "absl/time/time.h"
-#include "files/messages/cloud_message.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "graspdb/v1/frame_service.pb.h"
 
 namespace graspdb::client {

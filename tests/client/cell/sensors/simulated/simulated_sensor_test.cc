@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "rendering/sample_parts.h"
 #include "rendering/simulation.h"
 #include "tests/testing/status_matchers.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "client/cell/sensors/video/v4l2_sensor.h"
-#include "files/messages/depth_message.h"
+#include "files/messages/scan_message.h"
 #include "tests/client/cell/sensors/video/recorded_video.h"
 #include "tests/testing/status_matchers.h"
 
