@@ -2,7 +2,8 @@
 # demo.sh BIN OUT: the main job end to end. Starts a server on an empty database,
 # teaches the sample parts from simulated turntable views, recognizes new scenes, prints
 # the pose errors, and draws one picture a scene into OUT/pictures. Then a cell: an agent with a
-# simulated camera, and a simulated robot that requests picks from it.
+# simulated camera, and a simulated robot that requests picks from it. Leaves the database in OUT/db, the
+# scenes in OUT/scenes and the requests of the cell in OUT/black-box.
 set -euo pipefail
 bin=$(realpath "$1")
 out=$2
@@ -42,14 +43,15 @@ ls "$out/pictures" | head -n 3
 log_step "a cell: a robot beside the table, an agent with a simulated camera"
 "$bin/graspdb" cells set demo --robot-base-pose=-0.6,0.2,0.05,0,0,0.342898,0.939373 \
   --region=-0.3,-0.3,-0.02,0.3,0.3,0.4 >"$out/cell.txt"
-start_agent "$out/agent" --cell demo --sensor "simulated:scene=$work/table"
+start_agent "$out/agent" --cell demo --sensor "simulated:scene=$work/table" \
+  --black-box "$out/black-box" --black-box-all
 echo "graspdb-cell listens for robots on $GRASPDB_AGENT"
 
 log_step "a robot requests $picks picks over the Generic Robot Interface"
 "$bin/graspdb" robot --cell demo --scene "$work/table" --parts "$parts" --picks "$picks" \
-  --seed $((seed + 2))
+  --seed $((seed + 2)) --min-percent 90
 
 if [ -x "$bin/graspdb-console" ]; then
-  log_step "look at it in a browser: drop a scene of $out/scenes/clouds on the page"
-  echo "$bin/graspdb-server --db $out/db & $bin/graspdb console"
+  log_step "look at it in a browser: drop a scene of $out/scenes/clouds or a request of $out/black-box on the page"
+  echo "$bin/graspdb-server --db $out/db & $bin/graspdb console; kill \$!"
 fi

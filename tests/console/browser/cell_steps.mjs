@@ -7,37 +7,34 @@ import { bundleBytes, pageModule } from "./programs.mjs";
 
 const kName = "cells/press-3";
 
-// A frame of the scene as a bundle, answered by the server.
-async function recorded({ work, folder, scene, call }, number, pipeline) {
+// A frame of the scene as a bundle, with parameters and the server's answer.
+async function recorded({ work, folder, call }, scene) {
   const { readPcd } = await pageModule(work, "files/point_file", folder);
   const { cloud } = readPcd(readFileSync(scene));
   const fields = ["x", "y", "z"].map((name, i) => ({ name, offset: 4 * i, type: "NUMERIC_TYPE_FLOAT32" }));
   const request = {
-    cell: kName, omitTimings: true, pipeline,
+    cell: kName, omitTimings: true, pipeline: { minScore: 0.9999 },
     cloud: { pointStride: 12, width: cloud.width, fields, data: Buffer.from(cloud.data).toString("base64") },
   };
   const response = await call("RecognitionService/Recognize", request);
-  const path = join(folder, `000000000${number}-20260703T09150${number}Z.bundle`);
-  writeFileSync(path, await bundleBytes(work, folder, {
-    requestTime: `2026-07-03T09:15:0${number}Z`, durationMs: 40, robot: "robot-1", request, response, catalogRevision: response.catalogRevision,
-  }));
-  return { path, response };
+  const path = join(folder, "9999999999-with-parameters.bundle");
+  writeFileSync(path, await bundleBytes(work, folder, { requestTime: new Date().toISOString(), durationMs: 40, robot: "robot-1", request, response, catalogRevision: response.catalogRevision }));
+  return path;
 }
 
 export async function testCells(test) {
-  const { page, folder, scene, step, picture, checkRules, call, graspdb, refused } = test;
+  const { page, folder, sceneOf, bundles, sensorPose, step, picture, checkRules, call, graspdb, refused } = test;
   const cell = () => call("CellService/GetCell", { name: kName });
   const save = page.getByRole("button", { name: "Save the cell" });
   const numbers = (id) => Promise.all([0, 1, 2, 3, 4, 5].map(async (i) => Number(await page.locator(`#${id}-${i}`).inputValue())));
 
   step("a new cell: its region and camera, typed");
   await page.getByRole("link", { name: "Cells" }).click();
-  await page.getByText("There is no cell: create one.").waitFor();
+  await page.locator('#cell-name option[value="cells/demo"]').waitFor({ state: "attached" });
   await page.getByText("New cell").click();
   await page.locator("#cell-new").fill("press-3");
   await page.getByRole("button", { name: "Create" }).click();
   await page.locator('#cell-name option[value="cells/press-3"]').waitFor({ state: "attached" });
-  const { sensorPose } = JSON.parse(readFileSync(join(folder, "scenes/captures.json"), "utf8")).captures[0];
   await page.locator("#cell-region").check();
   assert.deepEqual(await numbers("cell-region"), [-300, -300, -20, 300, 300, 400]);
   await page.locator("#cell-region-0").fill("-250");
@@ -93,15 +90,16 @@ export async function testCells(test) {
   refused.push(409);
 
   step("frames of the black box, the newest first");
-  const first = await recorded(test, 1, {});
-  const second = await recorded(test, 2, { minScore: 0.9999 });
-  assert.equal(first.response.status, "OK");
-  for (const { path } of [first, second]) assert.match(graspdb("replay", path), /1 same/);
-  await page.setInputFiles("#cell-files", [first.path, second.path]);
+  const ofDemo = [bundles.at(0), bundles.at(-1)];
+  assert.match(graspdb("replay", ...ofDemo), /2 same/);
+  await page.setInputFiles("#cell-files", [await recorded(test, sceneOf("l-bracket")), ...ofDemo]);
   const rows = page.locator(".cells .answers .pick");
-  await rows.nth(1).waitFor();
-  assert.match(await rows.nth(0).innerText(), /2026-07-03 09:15:02 · UNKNOWN_OBJECT/);
-  assert.match(await rows.nth(1).innerText(), /2026-07-03 09:15:01 · OK\s*press-3, robot-1/);
+  await rows.nth(2).waitFor();
+  const texts = await rows.allInnerTexts();
+  assert.match(texts[0], /^\S+ \S+ · UNKNOWN_OBJECT\s*press-3, robot-1/);
+  for (const text of texts.slice(1)) assert.match(text, /^\S+ \S+ · OK\s*demo, /);
+  const times = texts.map((text) => text.slice(0, 19));
+  assert.deepEqual([...times].sort().reverse(), times);
   await until(page, "the frame is drawn", (now) => now.all > 100);
   await isTheirs();
   await tools.getByRole("button", { name: "region" }).click();
@@ -125,7 +123,7 @@ export async function testCells(test) {
   await page.getByRole("button", { name: "Save them to the cell" }).click();
   await page.locator(".banner").getByText("give a parameter first").waitFor();
   const cut = join(folder, "cut.bundle");
-  writeFileSync(cut, readFileSync(first.path).subarray(0, 5000));
+  writeFileSync(cut, readFileSync(ofDemo[0]).subarray(0, 5000));
   await page.setInputFiles("#files", cut);
   await page.locator(".banner").getByText("cut.bundle: it is truncated or damaged").waitFor();
   await page.getByRole("button", { name: "Close" }).click();

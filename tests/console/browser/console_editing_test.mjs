@@ -1,5 +1,6 @@
-// console_editing_test.mjs BIN WORK OUT [VIEW]: changes a catalogue by the console's page as a person would, in Chromium. WORK:
-// where the page was built. Leaves pictures of the views in OUT. VIEW: only that one. Ends with 77 where there is no Chromium.
+// console_editing_test.mjs BIN WORK DEMO OUT [VIEW]: changes the catalogue of the demo by the console's page as a person would, in
+// Chromium. WORK: where the page was built. DEMO: what tests/demo/demo.sh has left. Leaves pictures of the views in OUT. VIEW: only that
+// one. Ends with 77 where there is no Chromium.
 import { strict as assert } from "node:assert";
 import { existsSync, mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
@@ -9,10 +10,10 @@ import { testGrasps } from "./grasp_steps.mjs";
 import { testLookAlikes } from "./look_alike_steps.mjs";
 import { testMesh } from "./mesh_steps.mjs";
 import { brokenRules, openPage } from "./page.mjs";
-import { stopAll, taughtServer, temporaryFolder } from "./programs.mjs";
+import { demoServer, stopAll, temporaryFolder } from "./programs.mjs";
 import { testTeaching } from "./teach_steps.mjs";
 
-const [bin, work, out] = process.argv.slice(2).map((path) => resolve(path));
+const [bin, work, demo, out] = process.argv.slice(2).map((path) => resolve(path));
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
 if (!existsSync(chromium)) {
   console.log(`skipped: there is no ${chromium}; install Debian's package chromium`);
@@ -20,7 +21,7 @@ if (!existsSync(chromium)) {
 }
 mkdirSync(out, { recursive: true });
 const folder = temporaryFolder();
-const server = await taughtServer(bin, folder, ["l-bracket", "flange", "bracket-left", "bracket-right"]);
+const server = await demoServer(bin, folder, demo);
 const { browser, page, faults, axe } = await openPage(work, chromium, server.url, "dark");
 
 const test = {
@@ -49,7 +50,7 @@ const views = { catalogue: testCatalogue, grasps: testGrasps, teach: testTeachin
 
 try {
   for (const [view, run] of Object.entries(views)) {
-    if (process.argv[5] === undefined || process.argv[5] === view) await run(test);
+    if (process.argv[6] === undefined || process.argv[6] === view) await run(test);
   }
   assert.deepEqual(await page.evaluate(() => globalThis.refusals), [], "refusals of the policy");
   // Chromium reports the calls that were to be refused, too.

@@ -1,15 +1,15 @@
-// console_page_test.mjs BIN WORK ERRORS_MD OUT: uses the console's page as a person would, in Chromium, before a server with
-// taught parts. WORK: where the page was built. Leaves pictures of the views in OUT. Ends with 77 where there is no
-// Chromium.
+// console_page_test.mjs BIN WORK DEMO ERRORS_MD OUT: uses the console's page as a person would, in Chromium, before a server with
+// the database of the demo. WORK: where the page was built. DEMO: what tests/demo/demo.sh has left. Leaves pictures of the views in OUT.
+// Ends with 77 where there is no Chromium.
 import { strict as assert } from "node:assert";
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { brokenRules, colours, openPage, until } from "./page.mjs";
 import { png } from "./depth_png.mjs";
-import { pageModule, start, stopAll, taughtServer, temporaryFolder } from "./programs.mjs";
+import { demoServer, pageModule, start, stopAll, temporaryFolder } from "./programs.mjs";
 
-const [bin, work, errorsMd, out] = process.argv.slice(2).map((path) => resolve(path));
+const [bin, work, demo, errorsMd, out] = process.argv.slice(2).map((path) => resolve(path));
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
 if (!existsSync(chromium)) {
   console.log(`skipped: there is no ${chromium}; install Debian's package chromium`);
@@ -18,7 +18,6 @@ if (!existsSync(chromium)) {
 mkdirSync(out, { recursive: true });
 const folder = temporaryFolder();
 const at = (name) => join(folder, name);
-const parts = ["l-bracket", "flange", "wedge", "bracket-left", "bracket-right"];
 
 function step(text) {
   console.log(`== ${text}`);
@@ -65,7 +64,9 @@ function advice(key) {
   return row.split("|").slice(-3, -1).map((cell) => cell.trim().replace(/\[([^\]]*)\]\([^)]*\)/g, "$1").replace(/[`*]/g, ""));
 }
 
-const { url, scene, revision } = await taughtServer(bin, folder, parts);
+const { url, graspdb, sceneOf } = await demoServer(bin, folder, demo);
+const scene = sceneOf("l-bracket");
+const { catalogRevision, objectCount } = JSON.parse(graspdb("status", "--json"));
 await otherFiles(scene);
 const { browser, page, faults, axe } = await openPage(work, chromium, url, "dark");
 const picture = (name) => page.screenshot({ path: join(out, `${name}.png`) });
@@ -169,13 +170,13 @@ try {
 
   step("the catalogue");
   await page.getByRole("link", { name: "Catalogue" }).click();
-  await page.locator(".objects button").nth(parts.length - 1).waitFor();
-  assert.equal(await page.locator(".objects button").count(), parts.length);
+  await page.locator(".objects button").nth(objectCount - 1).waitFor();
+  assert.equal(await page.locator(".objects button").count(), Number(objectCount));
   await page.getByLabel("Find an object").fill("flange");
   assert.equal(await page.locator(".objects button").count(), 1);
   await page.locator(".objects button").click();
   await page.getByRole("heading", { name: "Flange" }).waitFor();
-  assert.equal(await page.locator(".views .row").count(), 12);
+  assert.equal(await page.locator(".views .row").count(), 24);
   await until(page, "the views are drawn", (each) => each.all > 200);
   await picture("catalogue");
   await checkRules("catalogue");
@@ -191,7 +192,7 @@ try {
   await page.getByRole("link", { name: "Health" }).click();
   await page.getByText("serving").waitFor();
   const health = await page.locator(".health").innerText();
-  assert.ok(health.replace(/\s+/g, " ").includes(`revision ${revision} `), health);
+  assert.ok(health.replace(/\s+/g, " ").includes(`revision ${catalogRevision} `), health);
   assert.match(health, /6 answers, median/);
   for (const stage of ["region", "clusters", "match"]) assert.ok(health.includes(stage), stage);
   await picture("health");
@@ -226,6 +227,8 @@ try {
   await page.setInputFiles("#files", scene);
   await page.getByRole("button", { name: "Recognise" }).click();
   await page.locator(".banner").getByText("lacks the role").waitFor();
+  await page.getByRole("link", { name: "Cells" }).click();
+  await page.getByText("There is no cell: create one.").waitFor();
   console.log("done");
 } catch (error) {
   await picture("failure");

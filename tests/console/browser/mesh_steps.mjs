@@ -11,6 +11,7 @@ const minus = (a, b) => ({ x: (a.x ?? 0) - (b.x ?? 0), y: (a.y ?? 0) - (b.y ?? 0
 const angle = (a, b) => (2 * Math.acos(Math.min(1, Math.abs(["x", "y", "z", "w"].reduce((sum, k) => sum + (a[k] ?? 0) * (b[k] ?? 0), 0)))) * 180) / Math.PI;
 
 export async function testMesh({ page, folder, step, picture, checkRules, call, graspdb, refused }) {
+  await call("CatalogService/DeleteObject", { name: "objects/stepped-block", force: true });  // the demo's, taught from captures
   const set = join(folder, "block");
   graspdb("simulate", "--parts", "stepped-block", "--random", "1", "--seed", "9", "--out", set);
   const file = join(set, "models/stepped-block.ply");

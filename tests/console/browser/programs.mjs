@@ -3,7 +3,7 @@ import { execFileSync, spawn } from "node:child_process";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { mkdirSync, mkdtempSync, readdirSync, rmSync } from "node:fs";
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
 import { createInterface } from "node:readline";
 import { pathToFileURL } from "node:url";
 
@@ -53,8 +53,10 @@ export async function bundleBytes(work, out, json) {
   return Buffer.concat([Buffer.from("GBB\x01"), toBinary(BundleSchema, fromJson(BundleSchema, json))]);
 }
 
-// A server that has taught nothing, and the console. `graspdb` runs the command line at this server.
-export async function emptyServer(bin, folder) {
+// A server and the console. `database`: copied for the server; without it the server has taught nothing. `graspdb` runs the command
+// line at this server.
+export async function startServer(bin, folder, database) {
+  if (database !== undefined) cpSync(database, join(folder, "db"), { recursive: true });
   mkdirSync(join(folder, "backups"));
   const server = await start(join(bin, "graspdb-server"),
     ["--db", join(folder, "db"), "--listen", "127.0.0.1:0", "--backup-dir", join(folder, "backups")], "listening on ");
@@ -63,13 +65,11 @@ export async function emptyServer(bin, folder) {
   return { url, graspdb };
 }
 
-// The same with taught parts, and a scene of the first one.
-export async function taughtServer(bin, folder, parts) {
-  const at = (name) => join(folder, name);
-  const { url, graspdb } = await emptyServer(bin, folder);
-  graspdb("simulate", "--parts", parts.join(","), "--step", "30", "--seed", "7", "--out", at("teach"));
-  graspdb("import", at("teach"));
-  graspdb("simulate", "--parts", parts[0], "--random", "1", "--seed", "8", "--out", at("scenes"));
-  const scene = readdirSync(at("scenes/clouds")).find((name) => name.endsWith(".pcd"));
-  return { url, graspdb, scene: at(`scenes/clouds/${scene}`), revision: JSON.parse(graspdb("status", "--json")).catalogRevision };
+// The same with what tests/demo/demo.sh has left in `demo`: its database, scenes and bundles. `sceneOf`: a scene of a part.
+export async function demoServer(bin, folder, demo) {
+  const { url, graspdb } = await startServer(bin, folder, join(demo, "db"));
+  const files = (name) => readdirSync(join(demo, name)).sort().map((each) => join(demo, name, each));
+  const sceneOf = (part) => files("scenes/clouds").find((path) => path.endsWith(`_${part}.pcd`));
+  const { captures } = JSON.parse(readFileSync(join(demo, "scenes/captures.json"), "utf8"));
+  return { url, graspdb, sceneOf, bundles: files("black-box"), sensorPose: captures[0].sensorPose };
 }

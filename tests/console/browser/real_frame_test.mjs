@@ -4,7 +4,7 @@ import { strict as assert } from "node:assert";
 import { existsSync, mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { openPage } from "./page.mjs";
-import { emptyServer, stopAll, temporaryFolder } from "./programs.mjs";
+import { startServer, stopAll, temporaryFolder } from "./programs.mjs";
 
 const [bin, work, frames, out] = process.argv.slice(2).map((path) => resolve(path));
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -17,7 +17,7 @@ for (const needed of [chromium, frame]) {
 mkdirSync(out, { recursive: true });
 
 // Of the basket the camera measured the near side and a part of the rim.
-const { url, graspdb } = await emptyServer(bin, temporaryFolder());
+const { url, graspdb } = await startServer(bin, temporaryFolder());
 graspdb("teach", "basket", "--mesh", join(frames, "meshes/basket.ply"), "--unit", "mm");
 const { browser, page, faults } = await openPage(work, chromium, url, "dark");
 try {

@@ -5,8 +5,8 @@ import { join } from "node:path";
 import { until } from "./page.mjs";
 
 export async function testTeaching({ page, folder, step, picture, checkRules, call, graspdb, refused }) {
-  const set = join(folder, "wedge");
-  graspdb("simulate", "--parts", "wedge", "--step", "60", "--seed", "3", "--out", set);
+  const set = join(folder, "z-bar");
+  graspdb("simulate", "--parts", "z-bar", "--step", "60", "--seed", "3", "--out", set);
   const clouds = readdirSync(join(set, "clouds")).filter((name) => name.endsWith(".pcd")).sort().map((name) => join(set, "clouds", name));
   const { stablePoses } = JSON.parse(readFileSync(join(set, "captures.json"), "utf8")).objects[0];
   const drop = (files) => page.setInputFiles("#teach-files", files);
@@ -18,19 +18,19 @@ export async function testTeaching({ page, folder, step, picture, checkRules, ca
   const empty = await until(page, "the picture is there", (now) => now.all > 0);
   await drop([join(set, "captures.json"), ...clouds]);
   await page.getByText(`${clouds.length} captures`).waitFor();
-  assert.equal(await page.locator("#teach-object").inputValue(), "wedge");
+  assert.equal(await page.locator("#teach-object").inputValue(), "z-bar");
   assert.equal(await page.locator("#teach-pose").inputValue(), stablePoses[0].stablePoseId);
   assert.equal(await page.getByText("sensor pose known, object pose known").count(), clouds.length);
   await until(page, "the captures are drawn", (now) => now.all > empty.all + 50);
-  assert.deepEqual((await call("CatalogService/ListObjects", {})).objects.filter((each) => each.name === "objects/wedge"), [], "nothing is stored yet");
+  assert.deepEqual((await call("CatalogService/ListObjects", {})).objects.filter((each) => each.name === "objects/z-bar"), [], "nothing is stored yet");
 
   step("a draft, drawn as the server has it, and its release");
   await store.click();
   await page.getByText(`${clouds.length} views stored`).waitFor();
   await page.getByText("the draft's views, of the server").waitFor();
   await until(page, "the views are drawn", (now) => now.all > empty.all + 50);
-  const name = `objects/wedge/stablePoses/${stablePoses[0].stablePoseId}`;
-  assert.equal((await call("CatalogService/GetObject", { name: "objects/wedge" })).release, "RELEASE_STATE_DRAFT");
+  const name = `objects/z-bar/stablePoses/${stablePoses[0].stablePoseId}`;
+  assert.equal((await call("CatalogService/GetObject", { name: "objects/z-bar" })).release, "RELEASE_STATE_DRAFT");
   const draft = await call("CatalogService/GetStablePose", { name });
   assert.equal(draft.release, "RELEASE_STATE_DRAFT");
   assert.equal(draft.grasps.length, stablePoses[0].grasps.length);
@@ -43,10 +43,10 @@ export async function testTeaching({ page, folder, step, picture, checkRules, ca
   assert.match(graspdb("import", set, "--dry-run"), new RegExp(`would send 0 views; ${clouds.length} are in the catalogue`));
   await page.getByRole("button", { name: "Release" }).click();
   await page.getByText("is released: cells recognise it.").waitFor();
-  for (const [method, record] of [["GetObject", "objects/wedge"], ["GetStablePose", name]]) {
+  for (const [method, record] of [["GetObject", "objects/z-bar"], ["GetStablePose", name]]) {
     assert.equal((await call(`CatalogService/${method}`, { name: record })).release, "RELEASE_STATE_RELEASED");
   }
-  assert.match(graspdb("recognize", clouds[1]), /wedge/);
+  assert.match(graspdb("recognize", clouds[1]), /z-bar/);
 
   step("a turntable, a file that the server refuses, and the end of a draft");
   const few = join(folder, "zz-few.pcd");
