@@ -13,7 +13,7 @@ for (const name of ["mesh_file", "stable_poses", "top_grasps", "triangle_mesh", 
 const { readMesh, lengthUnits, fittingUnits, largestSideOf } = modules.mesh_file;
 const { findStablePoses } = modules.stable_poses;
 const { proposeTopGrasps } = modules.top_grasps;
-const { scaled, transformed, solidOf } = modules.triangle_mesh;
+const { areaOf, scaled, transformed, solidOf } = modules.triangle_mesh;
 const graspdb = (...args) => execFileSync(join(bin, "graspdb"), args, { stdio: ["ignore", "pipe", "pipe"] }).toString();
 
 // The rows of the table of stable poses, and the declaration in JSON.
@@ -110,6 +110,73 @@ assert.deepEqual(fittingUnits(1000 * side), ["mm"]);
 assert.deepEqual(fittingUnits(side), ["m"]);
 assert.deepEqual(fittingUnits(1e6), []);
 
+console.log("== faces of more than three corners");
+const shapes = {
+  // The first corners see neither all of the others.
+  "l-prism": [[0.1, 0.02], [0.03, 0.02], [0.03, 0.07], [0, 0.07], [0, 0], [0.06, 0], [0.1, 0]],
+  arrow: [[0.1, 0], [0, 0.03], [0.04, 0], [0, -0.05]],
+};
+const depth = 0.045;
+// A prism: its ends have the outline's corners, its sides four. `head` and `rows` in `order` of the elements.
+function prism(outline, format, order = ["vertex", "face"]) {
+  const n = outline.length;
+  const points = [0, depth].flatMap((z) => outline.map(([x, y]) => [x, y, z]));
+  const ends = [outline.map((_, i) => n - 1 - i), outline.map((_, i) => n + i)];
+  const polygons = [...ends, ...outline.map((_, i) => [i, (i + 1) % n, n + ((i + 1) % n), n + i])];
+  const head = {
+    vertex: `element vertex ${points.length}\nproperty uchar red\nproperty double x\nproperty double y\nproperty double z\n`,
+    face: `element face ${polygons.length}\nproperty short flags\nproperty list uint uint vertex_indices\nproperty list uchar float weights\n`,
+  };
+  const isText = format === "ascii";
+  const isLittle = format === "binary_little_endian";
+  const text = [];
+  const parts = [];
+  const put = (value, size, kind) => {
+    text.push(value);
+    const part = Buffer.alloc(size);
+    part[`write${kind}${size === 1 ? "" : isLittle ? "LE" : "BE"}`](value);
+    parts.push(part);
+  };
+  const row = {
+    vertex: (point) => {
+      put(7, 1, "UInt8");
+      point.forEach((each) => put(each, 8, "Double"));
+    },
+    face: (polygon) => {
+      put(-3, 2, "Int16");
+      put(polygon.length, 4, "UInt32");
+      polygon.forEach((each) => put(each, 4, "UInt32"));
+      put(1, 1, "UInt8");
+      put(0.5, 4, "Float");
+    },
+  };
+  const rows = { vertex: points, face: polygons };
+  for (const element of order) {
+    for (const each of rows[element]) {
+      row[element](each);
+      text.push("\n");
+    }
+  }
+  const header = Buffer.from(`ply\nformat ${format} 1.0\ncomment a prism\n${order.map((each) => head[each]).join("")}end_header\n`);
+  return Buffer.concat([header, ...(isText ? [Buffer.from(text.join(" "))] : parts)]);
+}
+const areaOfOutline = (outline) => Math.abs(outline.reduce((sum, [x, y], i) => {
+  const [nextX, nextY] = outline[(i + 1) % outline.length];
+  return sum + (x * nextY - nextX * y) / 2;
+}, 0));
+for (const [name, outline] of Object.entries(shapes)) {
+  const around = outline.reduce((sum, [x, y], i) => sum + Math.hypot(x - outline[(i + 1) % outline.length][0], y - outline[(i + 1) % outline.length][1]), 0);
+  const variants = [["ascii"], ["binary_little_endian"], ["binary_big_endian"], ["binary_little_endian", ["face", "vertex"]]];
+  for (const [format, order] of variants) {
+    const { mesh } = readMesh(`${name}.ply`, new Uint8Array(prism(outline, format, order)));
+    near(areaOf(mesh), 2 * areaOfOutline(outline) + depth * around, 1e-8, `${name}, ${format}, area`);
+    near(solidOf(mesh).volume, areaOfOutline(outline) * depth, 1e-9, `${name}, ${format}, volume`);
+  }
+  const file = join(folder, `${name}.ply`);
+  writeFileSync(file, prism(outline, "ascii"));
+  await compare(name, file, "m");
+}
+
 console.log("== files that are no usable meshes");
 const ply = (header, data = "") => Buffer.from(`ply\nformat ascii 1.0\n${header}\nend_header\n${data}`);
 const vertices = (count) => `element vertex ${count}\nproperty float x\nproperty float y\nproperty float z`;
@@ -118,17 +185,34 @@ const square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 0\n";
 const whole = new Uint8Array(readFileSync(join(models, "wedge.ply")));
 const refused = [
   ["empty.ply", Buffer.alloc(0), /header/], ["points.ply", ply(vertices(1), "0 0 0\n"), /no lists of corners/],
-  ["none.ply", ply(`${vertices(4)}\n${faces(0)}`, square), /no faces/], ["huge.ply", ply(`${vertices(4e9)}\n${faces(1)}`), /no possible count/],
-  ["bare.ply", ply(`element nothing 50\n${vertices(4)}\n${faces(1)}`, square), /no properties/],
-  ["five.ply", ply(`${vertices(5)}\n${faces(1)}`, `${square}5 0 1 4 2 3\n`), /three or four corners/],
+  ["none.ply", ply(`${vertices(5)}\n${faces(0)}`, square), /no faces/], ["huge.ply", ply(`${vertices(4e9)}\n${faces(1)}`), /no possible count/],
+  ["bare.ply", ply(`element nothing 50\n${vertices(5)}\n${faces(1)}`, square), /no properties/],
+  ["corners.ply", ply(`${vertices(5)}\n${faces(1)}`, `${square}0\n`), /no corners/], ["line.ply", ply(`${vertices(5)}\n${faces(1)}`, `${square}2 0 1\n`), /no triangles/],
+  ["round.ply", ply(`${vertices(5)}\n${faces(1)}`.replace("uchar", "uint"), `${square}10001 ${"0 ".repeat(10_001)}`), /10,001 corners/],
+  ["minus.ply", ply(`${vertices(5)}\n${faces(1)}`.replace("uchar", "char"), `${square}-1\n`), /negative/],
+  ["half.ply", ply(`${vertices(5)}\n${faces(1)}`, `${square}4 0 1 2 2.5\n`), /not a vertex/], ["below.ply", ply(`${vertices(5)}\n${faces(1)}`, `${square}4 0 1 2 -1\n`), /not a vertex/],
+  ["more.ply", ply(`${vertices(5)}\n${faces(1)}`, `${square}3 0 1 2\n7\n`), /more than its header/], ["strips.ply", ply(`${vertices(5)}\nelement tristrips 1\nproperty list int int vertex_indices\n${faces(1)}`), /strips/],
+  ["no-z.ply", ply(`element vertex 1\nproperty float x\nproperty float y\n${faces(1)}`, "0 0\n3 0 0 0\n"), /no z/], ["type.ply", ply(`element vertex 1\nproperty half x\n${faces(1)}`), /type half/],
   ["beyond.ply", ply(`${vertices(5)}\n${faces(1)}`, `${square}3 0 1 9\n`), /not a vertex/],
-  ["short.ply", whole.subarray(0, whole.length - 20), /cannot be read|not a vertex/], ["short.stl", binaryStl(inMillimetres).subarray(0, 200), /its length/],
+  ["short.ply", whole.subarray(0, whole.length - 20), /ends before its last row/], ["short.stl", binaryStl(inMillimetres).subarray(0, 200), /its length/],
   ["count.stl", Buffer.from([...binaryStl(inMillimetres).subarray(0, 80), 255, 255, 255, 255, ...Buffer.alloc(100)]), /its length/],
   ["cut.stl", textStl(inMillimetres).subarray(0, 900), /cut short/], ["open.stl", Buffer.from(textStl(inMillimetres).toString().replace("endfacet", "")), /no end/],
   ["nan.stl", binaryStl([[[NaN, 0, 0], [1, 0, 0], [0, 1, 0]]]), /not finite/], ["index.obj", Buffer.from("v 0 0 0\nv 1 0 0\nf 1 2 7\n"), /not finite/],
   ["nothing.obj", Buffer.from("hello\n"), /no triangles/], ["far.stl", binaryStl(inMillimetres.map((facet) => facet.map(([x, y, z]) => [x + 1e7, y, z]))), /far from its origin/],
 ];
 for (const [name, bytes, reason] of refused) assert.throws(() => readMesh(name, new Uint8Array(bytes)), (error) => error.message.startsWith(name) && reason.test(error.message), `${name} ${reason}`);
+// Damaged files are refused, or give a mesh whose triangles have vertices.
+const intact = prism(shapes["l-prism"], "binary_little_endian");
+for (let i = 0; i < 3000; ++i) {
+  const damaged = new Uint8Array(intact);
+  for (let k = 0; k <= i % 3; ++k) damaged[modules.depth_camera.randomBits(i, 2 * k) % damaged.length] = modules.depth_camera.randomBits(i, 2 * k + 1);
+  try {
+    const { mesh } = readMesh("damaged.ply", damaged.subarray(0, damaged.length - (i % 7 === 6 ? i % 300 : 0)));
+    assert.ok(mesh.vertices.every(Number.isFinite) && mesh.triangles.every((each) => 3 * each < mesh.vertices.length));
+  } catch (error) {
+    assert.ok(error.message.startsWith("damaged.ply is no usable mesh: "), String(error));
+  }
+}
 const flat = scaled(readMesh("flat.stl", new Uint8Array(binaryStl([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0], [0, 1, 0]]]))).mesh, 0.1);
 await assert.rejects(findStablePoses(flat, async () => {}), /no convex hull/);
 await assert.rejects(findStablePoses(wedge, async (text) => { if (text.startsWith("symmetry")) throw new Error("stopped"); }), /stopped/);

@@ -11,7 +11,7 @@ export interface PointFile { cloud: PointCloud; sensorPose?: Pose }
 interface Column { name: string; type: string; offset: number; size: number; count: number }
 
 // The lines of a text header up to the one that `isLast`, and where the data begin.
-function headerOf(bytes: Uint8Array, isLast: (line: string) => boolean): { lines: string[]; end: number } {
+export function headerOf(bytes: Uint8Array, isLast: (line: string) => boolean): { lines: string[]; end: number } {
   const text = new TextDecoder("latin1").decode(bytes.subarray(0, maxHeaderBytes));
   const lines: string[] = [];
   for (let at = 0; ;) {
@@ -39,7 +39,7 @@ function cloudOf(points: Float32Array, width: number): PointCloud {
   });
 }
 
-const readers: Record<string, [number, (data: DataView, at: number, little: boolean) => number]> = {
+export const readers: Record<string, [number, (data: DataView, at: number, little: boolean) => number]> = {
   I1: [1, (d, at) => d.getInt8(at)], U1: [1, (d, at) => d.getUint8(at)],
   I2: [2, (d, at, l) => d.getInt16(at, l)], U2: [2, (d, at, l) => d.getUint16(at, l)],
   I4: [4, (d, at, l) => d.getInt32(at, l)], U4: [4, (d, at, l) => d.getUint32(at, l)],
@@ -165,7 +165,7 @@ export function readPcd(bytes: Uint8Array): PointFile {
   return { cloud: cloudOf(points, height > 1 && width * height === count ? width : 0), sensorPose: viewpoint(header.get("VIEWPOINT")) };
 }
 
-const plyTypes: Record<string, string> = {
+export const plyTypes: Record<string, string> = {
   char: "I1", int8: "I1", uchar: "U1", uint8: "U1", short: "I2", int16: "I2", ushort: "U2", uint16: "U2",
   int: "I4", int32: "I4", uint: "U4", uint32: "U4", float: "F4", float32: "F4", double: "F8", float64: "F8",
 };

@@ -1,9 +1,9 @@
-// Meshes in dropped files: PLY, STL and OBJ, read by the loaders of three.js. A file may have any bytes, so that what the loaders
-// take for granted is checked before.
-import { Mesh, Vector3, type BufferGeometry } from "three";
+// Meshes in dropped files: PLY, and STL and OBJ by the loaders of three.js. A file may have any bytes, so that what the loaders take for
+// granted is checked before.
+import { BufferAttribute, BufferGeometry, Mesh, Vector3 } from "three";
 import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
-import { PLYLoader } from "three/examples/jsm/loaders/PLYLoader.js";
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
+import { readPlyMesh } from "./ply_mesh";
 import { boundsOf, opposedShare, turnOutwards, type TriangleMesh } from "./triangle_mesh";
 
 export const maxMeshBytes = 32 << 20;
@@ -42,38 +42,16 @@ function statedUnit(lines: string): string {
   return names.find(([pattern]) => pattern.test(found))?.[1] ?? "";
 }
 
-function checkPly(bytes: Uint8Array): { faces: number; comments: string } {
-  const text = textOf(bytes.subarray(0, maxHeaderBytes));
-  const end = text.indexOf("end_header");
-  if (!text.startsWith("ply") || end < 0) throw new Error("the header of the PLY file has no end");
-  const lines = text.slice(0, end).split(/\r\n|\r|\n/);
-  let faces = 0;
-  const properties = new Map<string, number>();
-  let element = "";
-  for (const line of lines) {
-    const [word, first = "", second] = line.trim().split(/\s+/);
-    if (word === "element") {
-      const count = Number(second);
-      if (!Number.isInteger(count) || count < 0 || count > bytes.length) throw new Error(`its element ${first} has no possible count`);
-      element = first;
-      if (count > 0) properties.set(element, 0);
-      if (element === "face") faces = count;
-    } else if (word === "property" && properties.has(element)) properties.set(element, properties.get(element)! + 1);
-  }
-  if ([...properties.values()].includes(0)) throw new Error("an element of it has no properties");
-  if (!lines.some((line) => /^property\s+list\s.*\svertex_ind(ices|ex)\s*$/.test(line))) throw new Error("its faces are no lists of corners");
-  return { faces, comments: lines.filter((line) => /^(comment|obj_info)\s/.test(line)).join("\n") };
-}
-
 // An ArrayBuffer of the bytes alone.
 const bufferOf = (bytes: Uint8Array): ArrayBuffer => bytes.slice().buffer as ArrayBuffer;
 
+function checkCount(triangles: number): void {
+  if (triangles > maxTriangles) throw new Error(`it has more than ${maxTriangles.toLocaleString("en")} triangles; simplify it, or use graspdb teach OBJECT --mesh FILE`);
+}
+
 function fromPly(bytes: Uint8Array): { geometries: BufferGeometry[]; comments: string } {
-  const { faces, comments } = checkPly(bytes);
-  const geometry = new PLYLoader().parse(bufferOf(bytes));
-  if (faces === 0) throw new Error("it has no faces");
-  if ((geometry.index?.count ?? 0) < 3 * faces) throw new Error("some of its faces have other than three or four corners; export it with triangles");
-  return { geometries: [geometry], comments };
+  const { vertices, triangles, comments } = readPlyMesh(bytes, checkCount);
+  return { geometries: [new BufferGeometry().setAttribute("position", new BufferAttribute(vertices, 3)).setIndex(triangles)], comments };
 }
 
 function fromStl(bytes: Uint8Array): { geometries: BufferGeometry[]; comments: string } {
@@ -104,7 +82,7 @@ function fromObj(bytes: Uint8Array): { geometries: BufferGeometry[]; comments: s
 export function welded(geometries: BufferGeometry[]): TriangleMesh {
   const count = geometries.reduce((sum, each) => sum + (each.index?.count ?? each.attributes.position!.count), 0);
   if (count === 0 || count % 3 !== 0) throw new Error("it has no triangles");
-  if (count / 3 > maxTriangles) throw new Error(`it has more than ${maxTriangles.toLocaleString("en")} triangles; simplify it, or use graspdb teach OBJECT --mesh FILE`);
+  checkCount(count / 3);
   const triangles = new Uint32Array(count);
   const vertices: number[] = [];
   const numbers = new Map<string, number>();
