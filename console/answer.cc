@@ -16,7 +16,7 @@ namespace http = boost::beast::http;
 constexpr char kPolicy[] =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' "
     "data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
-    "require-trusted-types-for 'script'";
+    "require-trusted-types-for 'script'; trusted-types mesh-worker";
 
 bool TakesGzip(const RequestHead& head) {
   return Field(head, "Accept-Encoding").find("gzip") != std::string_view::npos;

@@ -51,7 +51,7 @@ ${Object.entries(tables).map(([name, rows]) => `export const ${name}: Record<str
 rmSync(join(out, "page"), { recursive: true, force: true });
 mkdirSync(join(out, "page"), { recursive: true });
 await esbuild.build({
-  entryPoints: { console: "src/main.ts" }, bundle: true, minify: true, format: "esm", target: "es2022",
+  entryPoints: { console: "src/main.ts", mesh_worker: "src/mesh/mesh_worker.ts" }, splitting: true, chunkNames: "shared-[hash]", bundle: true, minify: true, format: "esm", target: "es2022",
   outdir: join(out, "page"), legalComments: "none", logLevel: "warning",
 });
 cpSync("src/index.html", join(out, "page/index.html"));
@@ -71,10 +71,9 @@ function literal(bytes) {
   return lines.length === 0 ? '    ""' : lines.join("\n");
 }
 
-const files = [
-  ["/", "index.html", "text/html; charset=utf-8"], ["/console.js", "console.js", "text/javascript; charset=utf-8"],
-  ["/console.css", "console.css", "text/css; charset=utf-8"],
-];
+const types = { html: "text/html", js: "text/javascript", css: "text/css" };
+const files = readdirSync(join(out, "page")).sort().map((name) =>
+  [name === "index.html" ? "/" : `/${name}`, name, `${types[name.split(".").pop()]}; charset=utf-8`]);
 let constants = "";
 let rows = "";
 let total = 0;

@@ -143,7 +143,9 @@ TEST_F(GatewayHttpTest, ServesThePage) {
   EXPECT_EQ(page.body, "<!doctype html>");
   EXPECT_EQ(page.Field("content-type"), "text/html; charset=utf-8");
   EXPECT_THAT(page.Field("content-security-policy"),
-              AllOf(HasSubstr("script-src 'self'"), Not(HasSubstr("unsafe"))));
+              AllOf(HasSubstr("script-src 'self'"),
+                    HasSubstr("require-trusted-types-for 'script'; trusted-types mesh-worker"),
+                    Not(HasSubstr("unsafe"))));
   EXPECT_EQ(page.Field("x-content-type-options"), "nosniff");
   EXPECT_EQ(page.Field("set-cookie"), "");
   EXPECT_EQ(page.Field("access-control-allow-origin"), "");

@@ -45,9 +45,25 @@ export async function testMesh({ page, folder, step, picture, checkRules, call, 
   await page.locator("#mesh-unit").selectOption("m");
   await rows.nth(expected.length - 1).waitFor();
 
-  step("the views are drawn before anything is stored");
+  step("a worker draws the views, and is cancelled");
   const taught = expected.slice(0, 3);
   for (const each of expected.slice(taught.length)) await page.getByLabel(`Teach ${each.stablePoseId}`).uncheck();
+  await page.locator("#mesh-step").fill("1");
+  const started = page.waitForEvent("worker");
+  await button("Draw the views").click();
+  const worker = await started;
+  assert.match(worker.url(), /\/mesh_worker\.js$/);
+  await page.getByText(new RegExp(`^View \\d+ of ${360 * taught.length}$`)).waitFor();
+  await page.locator(".mesh progress[value]").waitFor();
+  const ended = new Promise((resolve) => worker.once("close", resolve));
+  await button("Cancel").click();
+  await page.getByText("Cancelled.").waitFor();
+  await ended;
+  assert.equal(await page.locator(".thumbnails button").count(), 0);
+  assert.equal(await rows.count(), expected.length, "the stable poses stay");
+
+  step("the views are drawn before anything is stored");
+  await page.locator("#mesh-step").fill("20");
   await button("Draw the views").click();
   const count = 18 * taught.length;
   await page.getByText(`${count} views of ${taught.length} stable poses are drawn, and not stored.`).waitFor();

@@ -122,7 +122,7 @@ export function withNoise(ideal: Float32Array, angles: Float32Array, isObject: U
 
 // Draws a mesh on a table. Dispose of it: browsers have few contexts.
 export class DepthCamera {
-  private readonly renderer = new WebGLRenderer({ canvas: document.createElement("canvas") });
+  private readonly renderer = new WebGLRenderer({ canvas: new OffscreenCanvas(intrinsics.width, intrinsics.height) });
   private readonly target: WebGLRenderTarget;
   private readonly scene = new Scene();
   private readonly camera = new Camera();

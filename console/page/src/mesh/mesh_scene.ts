@@ -4,7 +4,7 @@ import type { Grasp } from "../../gen/graspdb/v1/catalog_pb";
 import { matrixOf } from "../base/geometry";
 import { boxOf } from "../catalogue/stable_pose_points";
 import { axesObject, cloudObject, gripperObject, handleObject, heightObject, linesObject, styleColor, type Pane } from "../base/viewer";
-import type { MeshView } from "./mesh_views";
+import { worldObjectOf, type MeshView } from "./mesh_views";
 import type { MeshStablePose } from "./stable_poses";
 import { boundsOf, type TriangleMesh } from "./triangle_mesh";
 
@@ -24,10 +24,7 @@ function meshObject(mesh: TriangleMesh, color: string, at: Matrix4): Mesh {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(mesh.vertices, 3));
   geometry.setIndex(new BufferAttribute(mesh.triangles, 1));
-  const flat = geometry.toNonIndexed();
-  geometry.dispose();
-  flat.computeVertexNormals();
-  const out = new Mesh(flat, new MeshLambertMaterial({ color: new Color(color) }));
+  const out = new Mesh(geometry, new MeshLambertMaterial({ color: new Color(color), flatShading: true }));
   out.applyMatrix4(at);
   return out;
 }
@@ -76,7 +73,7 @@ export function drawViews(pane: Pane, views: MeshView[], selected: number, grasp
     if (isOther) pane.content.add(cloudObject(each.points, styleColor("--table"), 1));
     else if (selected >= 0) pane.content.add(cloudObject(each.points, styleColor("--high"), 3));
     else pane.content.add(heightObject(each.points, box.min.z, box.max.z, 2));
-    const direction = new Vector3().setFromMatrixPosition(each.worldObject.clone().invert().multiply(worldSensor)).sub(center).normalize();
+    const direction = new Vector3().setFromMatrixPosition(worldObjectOf(each.turnDeg).invert().multiply(worldSensor)).sub(center).normalize();
     const [from, to] = [center.clone().addScaledVector(direction, radius), center.clone().addScaledVector(direction, 1.15 * radius)];
     const color = styleColor(isOther ? "--table" : "--high");
     pane.content.add(linesObject([...from.toArray(), ...to.toArray()], color), handleObject(to, `view-${i}`, color));

@@ -6,7 +6,7 @@ import { listViews, uploads, writeUploadView } from "../base/api";
 import { between, poseOf } from "../base/geometry";
 import { viewIdOf } from "../teach/teach_captures";
 import { deleteDrafts, makeDraft } from "../teach/teach_draft";
-import { regionOf, type MeshView } from "./mesh_views";
+import { regionOf, worldObjectOf, type MeshView } from "./mesh_views";
 import type { MeshStablePose } from "./stable_poses";
 import { transformed, type TriangleMesh } from "./triangle_mesh";
 
@@ -46,7 +46,7 @@ export async function storeMesh(request: MeshToStore, signal: AbortSignal, repor
   const made: StablePose[] = [];
   let upload = "";
   try {
-    const names = new Map<MeshStablePose, string>();
+    const names = new Map<string, string>();
     for (const { pose, grasps } of request.poses) {
       signal.throwIfAborted();
       const { draft, isNew } = await makeDraft({
@@ -56,18 +56,18 @@ export async function storeMesh(request: MeshToStore, signal: AbortSignal, repor
       if (isNew) made.push(draft);
       else await checkOld(draft, pose);
       drafts.push(draft);
-      names.set(pose, draft.name);
+      names.set(pose.id, draft.name);
     }
     const uploadId = `console-${crypto.randomUUID()}`;
     upload = (await uploads.createUpload({ uploadId, upload: { expectedViewCount: BigInt(request.views.length) } }, { signal })).name;
-    const regions = new Map(request.poses.map(({ pose }) => [pose, regionOf(transformed(request.mesh, pose.objectMesh))]));
+    const regions = new Map(request.poses.map(({ pose }) => [pose.id, regionOf(transformed(request.mesh, pose.objectMesh))]));
     const sensorPose = poseOf(request.worldSensor);
-    for (const [i, { pose, image, worldObject }] of request.views.entries()) {
+    for (const [i, { poseId, image, turnDeg }] of request.views.entries()) {
       const viewId = await viewIdOf({ message: { case: "depthImage", value: image } });
       await writeUploadView({
         upload, view: {
-          parent: names.get(pose)!, viewId, regionOfInterest: regions.get(pose)!,
-          view: { depthImage: image, objectPose: poseOf(worldObject), sensorPose },
+          parent: names.get(poseId)!, viewId, regionOfInterest: regions.get(poseId)!,
+          view: { depthImage: image, objectPose: poseOf(worldObjectOf(turnDeg)), sensorPose },
         },
       }, signal);
       report(i + 1);

@@ -1,5 +1,4 @@
 // Teaching from a mesh: its stable poses are shown, views of the chosen ones rendered and shown, and stored as drafts.
-import { Code, ConnectError } from "@connectrpc/connect";
 import { Matrix4, Vector3, type Box3 } from "three";
 import type { StablePose } from "../../gen/graspdb/v1/catalog_pb";
 import type { Cell } from "../../gen/graspdb/v1/cell_pb";
@@ -10,13 +9,13 @@ import { bar, facts, h, replace } from "../base/dom";
 import { deleteDrafts, releaseDraft } from "../teach/teach_draft";
 import { count } from "../base/text";
 import { emptyPane, Viewer } from "../base/viewer";
-import { fittingUnits, largestSideOf, lengthUnits, readMesh, type MeshFile } from "./mesh_file";
+import { fittingUnits, largestSideOf, lengthUnits, type MeshFile } from "./mesh_file";
 import { drawMesh, drawPoses, drawViews, percent, type Choice } from "./mesh_scene";
+import { revived, runMeshTask, type FoundPoses } from "./mesh_task";
 import { storeMesh } from "./mesh_upload";
-import { renderViews, standardStand, standOf, standOfCell, type MeshView } from "./mesh_views";
-import { findStablePoses, type MeshStablePose, type MeshStablePoses } from "./stable_poses";
-import { proposeTopGrasps } from "./top_grasps";
-import { boundsOf, scaled, transformed, type TriangleMesh } from "./triangle_mesh";
+import { standardStand, standOf, standOfCell, type MeshView } from "./mesh_views";
+import type { MeshStablePose } from "./stable_poses";
+import { boundsOf, scaled, type TriangleMesh } from "./triangle_mesh";
 import { viewThumbnail } from "./view_thumbnail";
 
 const symmetryText = (pose: MeshStablePose): string => {
@@ -27,8 +26,6 @@ const symmetryText = (pose: MeshStablePose): string => {
 // As graspdb makes it of a file's name.
 const objectIdOf = (name: string): string =>
   name.replace(/\.[^.]*$/, "").toLowerCase().replace(/[^a-z0-9_.]/g, "-").replace(/^[-_.]+/, "").slice(0, 63) || "mesh";
-
-class Cancelled extends Error {}
 
 export class MeshTeachView {
   readonly element: HTMLElement;
@@ -52,7 +49,7 @@ export class MeshTeachView {
   private name = "";
   private file: MeshFile | undefined;
   private mesh: TriangleMesh | undefined;  // in metres
-  private found: MeshStablePoses | undefined;
+  private found: FoundPoses | undefined;
   private choices: Choice[] = [];
   private selected = 0;
   private views: MeshView[] = [];
@@ -98,48 +95,49 @@ export class MeshTeachView {
   }
 
   async open(file: File): Promise<void> {
-    this.stop?.abort();
-    await this.attempt(async () => {
-      this.report(undefined);
-      this.file = readMesh(file.name, new Uint8Array(await file.arrayBuffer()));
-      this.name = file.name;
-      this.object.value = objectIdOf(file.name);
-      this.displayName.value = "";
-      this.unit.value = this.file.stated || fittingUnits(largestSideOf(this.file.mesh))[0] || "mm";
-      await this.computePoses();
+    let read: MeshFile | undefined;
+    await this.work(async (signal, report) => {
+      report(-1, `Reading ${file.name}`);
+      read = await runMeshTask({ kind: "read", file }, signal, report);
     });
+    if (!read) return;
+    this.file = read;
+    this.name = file.name;
+    this.object.value = objectIdOf(file.name);
+    this.displayName.value = "";
+    this.unit.value = read.stated || fittingUnits(largestSideOf(read.mesh))[0] || "mm";
+    await this.computePoses();
   }
 
   private attempt(action: () => Promise<void>): Promise<void> {
     return attempt(this.report, action, "This cannot be taught");
   }
 
-  // Runs long work with a progress bar, one at a time. It awaits `pause` often: the page then draws, and Cancel ends it. `share`: below 0
-  // where it is not known.
-  private async work(action: (signal: AbortSignal, pause: (share: number, text: string) => Promise<void>) => Promise<void>): Promise<void> {
+  // Runs long work with a progress bar and Cancel, one at a time. `share`: below 0 where it is not known. `done`: to show at the end.
+  private async work(action: (signal: AbortSignal, report: (share: number, text: string) => void) => Promise<void>, done = ""): Promise<void> {
     this.stop?.abort();
     const stop = new AbortController();
     this.stop = stop;
     this.report(undefined);
     this.updatePanel();
-    let drawn = performance.now();
-    await this.attempt(() => action(stop.signal, async (share, text) => {
-      if (stop === this.stop) {
-        if (share < 0) this.progressBar.removeAttribute("value");
-        else this.progressBar.value = share;
-        replace(this.progressText, text);
+    let text = "";
+    await this.attempt(async () => {
+      try {
+        await action(stop.signal, (share, step) => {
+          if (stop !== this.stop) return;
+          if (share < 0) this.progressBar.removeAttribute("value");
+          else this.progressBar.value = share;
+          replace(this.progressText, step);
+        });
+        text = done;
+      } catch (error) {
+        if (!stop.signal.aborted) throw error;
+        text = "Cancelled.";
       }
-      if (performance.now() - drawn > 30) {
-        await new Promise((resolve) => setTimeout(resolve));
-        drawn = performance.now();
-      }
-      if (stop.signal.aborted) throw new Cancelled();
-    }).catch((error: unknown) => {
-      if (!(error instanceof Cancelled)) throw error;
-    }));
+    });
     if (stop !== this.stop) return;
     this.stop = undefined;
-    if (stop.signal.aborted) replace(this.progressText, "Cancelled.");
+    replace(this.progressText, text);
     this.updatePanel();
   }
 
@@ -173,18 +171,9 @@ export class MeshTeachView {
       this.updatePanel();
       return this.draw(true);
     }
-    await this.work(async (_, pause) => {
-      const mesh = this.mesh!;
-      const found = await findStablePoses(mesh, (text) => pause(-1, `Stable poses: ${text}`));
-      const choices: Choice[] = [];
-      for (const [i, pose] of found.poses.entries()) {
-        await pause(i / found.poses.length, `Grasps of ${pose.id}`);
-        const posed = transformed(mesh, pose.objectMesh);
-        choices.push({ pose, mesh: posed, isChosen: true, grasps: proposeTopGrasps(posed, found.mass.center.clone().applyMatrix4(pose.objectMesh), pose.symmetryOrder === 0) });
-      }
-      this.found = found;
-      this.choices = choices;
-      replace(this.progressText);
+    await this.work(async (signal, report) => {
+      this.found = await runMeshTask({ kind: "poses", mesh: this.mesh! }, signal, report);
+      this.choices = this.found.poses.map((each) => ({ ...each, pose: revived(each.pose), isChosen: true }));
     });
     this.draw(true);
   }
@@ -205,36 +194,30 @@ export class MeshTeachView {
 
   private async render(): Promise<void> {
     if (!this.mesh || this.chosen().length === 0 || this.stop) return;
-    await this.work(async (_, pause) => {
+    await this.work(async (signal, report) => {
       const cell = this.cells.find((each) => each.name === this.cell.value);
       const [distance, down] = [this.distance.valueAsNumber / 1000, this.lookDown.valueAsNumber];
       if (!cell && !(distance >= 0.1 && distance <= 5)) throw new Error("distance: 100 to 5000 mm");
       if (!cell && !(down >= 0 && down <= 90)) throw new Error("looks down by: 0 to 90°");
       this.worldSensor = cell ? standOfCell(cell) : standOf(distance, down);
       const poses = this.chosen().map((each) => each.pose);
-      this.views = await renderViews(this.mesh!, poses, this.worldSensor, this.step.valueAsNumber, this.object.value, (done, all) => pause(done / all, `View ${done} of ${all}`));
+      this.views = await runMeshTask(
+        { kind: "views", mesh: this.mesh!, poses, worldSensor: this.worldSensor, stepDeg: this.step.valueAsNumber, objectId: this.object.value }, signal, report);
       this.view = -1;
       if (!this.chosen().includes(this.choices[this.selected]!)) this.selected = this.choices.findIndex((each) => each.isChosen);
-      replace(this.progressText);
     });
     this.draw(true);
   }
 
   private async store(): Promise<void> {
     if (this.views.length === 0 || this.stop || this.drafts.length > 0) return;
-    await this.work(async (signal, pause) => {
+    const { views } = this;
+    await this.work(async (signal, report) => {
       if (this.object.value === "") throw new Error("give the id of the object");
-      const { views } = this;
-      try {
-        this.drafts = await storeMesh({
-          objectId: this.object.value, displayName: this.displayName.value, mesh: this.mesh!, poses: this.chosen(), views, worldSensor: this.worldSensor,
-        }, signal, (done) => void pause(done / views.length, done === views.length ? "All views are sent: they become part of the catalogue" : `View ${done} of ${views.length} is sent`));
-        replace(this.progressText, `${views.length} views are stored.`);
-      } catch (error) {
-        if (signal.aborted || ConnectError.from(error).code === Code.Canceled) throw new Cancelled();
-        throw error;
-      }
-    });
+      this.drafts = await storeMesh({
+        objectId: this.object.value, displayName: this.displayName.value, mesh: this.mesh!, poses: this.chosen(), views, worldSensor: this.worldSensor,
+      }, signal, (done) => report(done / views.length, done === views.length ? "All views are sent: they become part of the catalogue" : `View ${done} of ${views.length} is sent`));
+    }, `${views.length} views are stored.`);
   }
 
   private end(action: (drafts: StablePose[]) => Promise<void>, text: string): Promise<void> {
@@ -279,7 +262,7 @@ export class MeshTeachView {
       this.choices.map((each, i) => this.row(each, i)),
       this.found && this.found.leftOut > 0.0005 && h("p", { className: "hint" }, `Left out, less probable than 1 % and tipping over within 5°: ${percent(this.found.leftOut)} of the drops.`),
       this.file?.isSided === false && h("p", { className: "hint" }, "Many neighbouring faces turn against each other, so that the outside is not known; turn them alike in the program that made the mesh."),
-      this.found?.mass.isOfHull && h("p", { className: "hint" }, "The surface is not closed; the centre of mass is that of its convex hull."));
+      this.found?.isOfHull && h("p", { className: "hint" }, "The surface is not closed; the centre of mass is that of its convex hull."));
   }
 
   private row(choice: Choice, i: number): HTMLElement {
@@ -299,7 +282,7 @@ export class MeshTeachView {
   }
 
   private viewsOfSelected(): MeshView[] {
-    return this.views.filter((each) => each.pose === this.choices[this.selected]?.pose);
+    return this.views.filter((each) => each.poseId === this.choices[this.selected]?.pose.id);
   }
 
   private thumbnails(): HTMLElement {

@@ -17,9 +17,8 @@ const noCount = 65535;
 export const standardStand = { distance: 0.8, lookDownDeg: 40, stepDeg: 20 };
 
 export interface MeshView {
-  pose: MeshStablePose;
-  turnDeg: number;
-  worldObject: Matrix4;
+  poseId: string;
+  turnDeg: number;         // of T_world_object about z
   image: DepthImage;
   points: Points;          // of the object alone, in its frame
   seen: Seen;
@@ -29,6 +28,8 @@ export interface MeshView {
 export interface Seen { left: number; top: number; side: number; near: number; far: number }
 
 export interface Region { min: { x: number; y: number; z: number }; max: { x: number; y: number; z: number } }
+
+export const worldObjectOf = (turnDeg: number): Matrix4 => new Matrix4().makeRotationZ((turnDeg * Math.PI) / 180);
 
 // T_world_sensor for the object at the origin: of a cell's camera, as it looks at its table.
 export function standOfCell(cell: Cell): Matrix4 {
@@ -115,10 +116,10 @@ function seenOf(frame: DepthFrame): Seen {
 // Stable poses have noise of their own (FNV-1a of their names).
 const hashOf = (name: string): number => [...name].reduce((hash, c) => Math.imul(hash ^ c.charCodeAt(0), 0x01000193) >>> 0, 0x811c9dc5);
 
-// The views of all poses. `pause`: awaited after each view; it may throw. Throws where the camera does not see the object.
-export async function renderViews(
-  mesh: TriangleMesh, poses: MeshStablePose[], worldSensor: Matrix4, stepDeg: number, objectId: string, pause: (done: number, all: number) => Promise<void>,
-): Promise<MeshView[]> {
+// The views of all poses. `report`: after each view. Throws where the camera does not see the object.
+export function renderViews(
+  mesh: TriangleMesh, poses: MeshStablePose[], worldSensor: Matrix4, stepDeg: number, objectId: string, report: (done: number, all: number) => void,
+): MeshView[] {
   const turns = turnsOf(stepDeg);
   const camera = new DepthCamera();
   const out: MeshView[] = [];
@@ -128,13 +129,13 @@ export async function renderViews(
       const far = farthestDepth(regionOf(posed), worldSensor);
       camera.show(posed);
       for (const turnDeg of turns) {
-        const worldObject = new Matrix4().makeRotationZ((turnDeg * Math.PI) / 180);
+        const worldObject = worldObjectOf(turnDeg);
         const frame = camera.frame(worldObject, worldSensor, randomBits(hashOf(`${objectId}/${pose.id}`), Math.round(turnDeg * 1000)));
         if (frame.isObject.reduce((sum, each) => sum + each, 0) < minSeenPixels) {
           throw new Error(`no part of the object is visible in ${pose.id}; the camera measures from ${minDepth} to ${maxDepth} m, choose another distance or check the cell's pose`);
         }
-        out.push({ pose, turnDeg, worldObject, image: imageOf(frame.depth, far), points: pointsOf(frame, worldObject.clone().invert().multiply(worldSensor)), seen: seenOf(frame) });
-        await pause(out.length, poses.length * turns.length);
+        out.push({ poseId: pose.id, turnDeg, image: imageOf(frame.depth, far), points: pointsOf(frame, worldObject.invert().multiply(worldSensor)), seen: seenOf(frame) });
+        report(out.length, poses.length * turns.length);
       }
     }
   } finally {

@@ -73,15 +73,14 @@ function onAxis(objectMesh: Matrix4, center: Vector3): Matrix4 {
 
 interface Look { orientation: Orientation; model: SurfaceModel }
 
-// `pause`: awaited between two comparisons, which take some 10 ms each; it may throw.
-async function looksOf(mesh: TriangleMesh, orientations: Orientation[], pause: (text: string) => Promise<void>): Promise<Look[]> {
+function looksOf(mesh: TriangleMesh, orientations: Orientation[], report: (text: string) => void): Look[] {
   const surface = surfaceOf(mesh);
   const out: Look[] = [];
   for (const [i, orientation] of orientations.entries()) {
     const model = new SurfaceModel(movedCloud(surface, putDown(mesh, orientation.down)));
     let same: Look | undefined;
     for (const look of out) {
-      await pause(`orientation ${i + 1} of ${orientations.length}`);
+      report(`orientation ${i + 1} of ${orientations.length}`);
       const limit = orientation.rolls && look.orientation.rolls ? alike(model) : sameLook;
       if (similarity(model, look.model) > limit) continue;
       same = look;
@@ -96,22 +95,22 @@ async function looksOf(mesh: TriangleMesh, orientations: Orientation[], pause: (
   return out.sort((a, b) => b.orientation.probability - a.orientation.probability);
 }
 
-// Of a mesh in metres. Throws where it has no hull, or too many facets.
-export async function findStablePoses(mesh: TriangleMesh, pause: (text: string) => Promise<void>): Promise<MeshStablePoses> {
-  await pause("convex hull");
+// Of a mesh in metres. Throws where it has no hull, or too many facets. `report`: before each step.
+export function findStablePoses(mesh: TriangleMesh, report: (text: string) => void): MeshStablePoses {
+  report("convex hull");
   const hull = hullOf(mesh);
   const mass = centerOfMass(mesh, hull);
   const diameter = diameterOf(hull);
   const facets = restingFacets(hull, mass.center, rollLiftShare * diameter);
   if (facets.length > maxFacets) throw new Error("the mesh is round in too fine steps; simplify it, or use graspdb teach OBJECT --mesh FILE");
   const out: MeshStablePoses = { poses: [], leftOut: 0, mass };
-  for (const { orientation, model } of await looksOf(mesh, orientationsOf(facets), pause)) {
+  for (const { orientation, model } of looksOf(mesh, orientationsOf(facets), report)) {
     const tips = tipAngle(hull, mass.center, orientation.down, contactShare * diameter);
     if (orientation.probability < minProbability && tips < stands && out.poses.length > 0) {
       out.leftOut += orientation.probability;
       continue;
     }
-    await pause(`symmetry of pose ${out.poses.length + 1}`);
+    report(`symmetry of pose ${out.poses.length + 1}`);
     const symmetry = findSymmetry(model);
     const symmetryOrder = symmetry.isNearly ? 1 : symmetry.order;
     const objectMesh = putDown(mesh, orientation.down);
