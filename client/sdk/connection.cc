@@ -51,7 +51,7 @@ constexpr int kLongestReconnectMs = 1'000;
 // the option is not a minimum of the delay.
 constexpr int kConnectMs = 4'000;
 // Milliseconds without a message during a call after which the server gets a ping, at least 10 s
-// (server/builder_settings.cc), and after which the connection is closed if the ping or sent data
+// (server/server.cc), and after which the connection is closed if the ping or sent data
 // are not acknowledged (TCP_USER_TIMEOUT). Without, TCP repeats data up to 2 minutes after the
 // power is back at the server.
 constexpr int kClientKeepaliveMs = 20'000;

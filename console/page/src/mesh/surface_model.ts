@@ -1,4 +1,4 @@
-// The surface of a mesh as recognition models it, to compare its stable poses: as recognition/models/fusion.cc and surface_model.cc make
+// The surface of a mesh as recognition models it, to compare its stable poses: as recognition/models/surface_model.cc makes
 // it of samples. Metres.
 import { Matrix4 } from "three";
 import { areaOf, forEachTriangle, type TriangleMesh } from "./triangle_mesh";

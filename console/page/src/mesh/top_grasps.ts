@@ -1,4 +1,4 @@
-// Grasps from above, computed from the shape of an object: as client/teaching/mesh/top_grasps.cc and even_samples.cc propose them.
+// Grasps from above, computed from the shape of an object: as client/teaching/mesh/top_grasps.cc proposes them.
 import { create } from "@bufbuild/protobuf";
 import { Matrix4, Vector3 } from "three";
 import { GraspSchema, type Grasp } from "../../gen/graspdb/v1/catalog_pb";
