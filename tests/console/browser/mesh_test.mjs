@@ -117,12 +117,17 @@ const shapes = {
   arrow: [[0.1, 0], [0, 0.03], [0.04, 0], [0, -0.05]],
 };
 const depth = 0.045;
-// A prism: its ends have the outline's corners, its sides four. `head` and `rows` in `order` of the elements.
-function prism(outline, format, order = ["vertex", "face"]) {
+// A prism: its ends have the outline's corners, its sides four.
+function prismOf(outline) {
   const n = outline.length;
   const points = [0, depth].flatMap((z) => outline.map(([x, y]) => [x, y, z]));
   const ends = [outline.map((_, i) => n - 1 - i), outline.map((_, i) => n + i)];
   const polygons = [...ends, ...outline.map((_, i) => [i, (i + 1) % n, n + ((i + 1) % n), n + i])];
+  return { points, polygons };
+}
+// As PLY, with the elements in `order`.
+function prism(outline, format, order = ["vertex", "face"]) {
+  const { points, polygons } = prismOf(outline);
   const head = {
     vertex: `element vertex ${points.length}\nproperty uchar red\nproperty double x\nproperty double y\nproperty double z\n`,
     face: `element face ${polygons.length}\nproperty short flags\nproperty list uint uint vertex_indices\nproperty list uchar float weights\n`,
@@ -172,9 +177,16 @@ for (const [name, outline] of Object.entries(shapes)) {
     near(areaOf(mesh), 2 * areaOfOutline(outline) + depth * around, 1e-8, `${name}, ${format}, area`);
     near(solidOf(mesh).volume, areaOfOutline(outline) * depth, 1e-9, `${name}, ${format}, volume`);
   }
-  const file = join(folder, `${name}.ply`);
-  writeFileSync(file, prism(outline, "ascii"));
-  compare(name, file, "m");
+  const { points, polygons } = prismOf(outline);
+  const corner = (i) => [`${i + 1}`, `${i + 1}/1`, `${i - points.length}//7`][i % 3];
+  const asObj = Buffer.from(`# a prism\n${points.map((each) => `v ${each.join(" \\\n")}`).join("\n")}\nvt 0 0\n${polygons.map((each) => `f ${each.map(corner).join(" ")}`).join("\r\n")}\n`);
+  const { mesh } = readMesh(`${name}.obj`, new Uint8Array(asObj));
+  near(areaOf(mesh), 2 * areaOfOutline(outline) + depth * around, 1e-8, `${name}, obj, area`);
+  for (const [ending, bytes] of [["ply", prism(outline, "ascii")], ["obj", asObj]]) {
+    const file = join(folder, `${name}.${ending}`);
+    writeFileSync(file, bytes);
+    compare(`${name}.${ending}`, file, "m");
+  }
 }
 
 console.log("== files that are no usable meshes");
@@ -197,7 +209,8 @@ const refused = [
   ["short.ply", whole.subarray(0, whole.length - 20), /ends before its last row/], ["short.stl", binaryStl(inMillimetres).subarray(0, 200), /its length/],
   ["count.stl", Buffer.from([...binaryStl(inMillimetres).subarray(0, 80), 255, 255, 255, 255, ...Buffer.alloc(100)]), /its length/],
   ["cut.stl", textStl(inMillimetres).subarray(0, 900), /cut short/], ["open.stl", Buffer.from(textStl(inMillimetres).toString().replace("endfacet", "")), /no end/],
-  ["nan.stl", binaryStl([[[NaN, 0, 0], [1, 0, 0], [0, 1, 0]]]), /not finite/], ["index.obj", Buffer.from("v 0 0 0\nv 1 0 0\nf 1 2 7\n"), /not finite/],
+  ["nan.stl", binaryStl([[[NaN, 0, 0], [1, 0, 0], [0, 1, 0]]]), /not finite/], ["index.obj", Buffer.from("v 0 0 0\nv 1 0 0\nf 1 2 7\n"), /not a vertex/], ["zero.obj", Buffer.from("v 0 0 0\nf 0 1 1\n"), /not a vertex/],
+  ["few.obj", Buffer.from("v 0 0\nf 1 1 1\n"), /not finite/],
   ["nothing.obj", Buffer.from("hello\n"), /no triangles/], ["far.stl", binaryStl(inMillimetres.map((facet) => facet.map(([x, y, z]) => [x + 1e7, y, z]))), /far from its origin/],
 ];
 for (const [name, bytes, reason] of refused) assert.throws(() => readMesh(name, new Uint8Array(bytes)), (error) => error.message.startsWith(name) && reason.test(error.message), `${name} ${reason}`);

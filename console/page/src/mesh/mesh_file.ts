@@ -1,15 +1,15 @@
-// Meshes in dropped files: PLY, and STL and OBJ by the loaders of three.js. A file may have any bytes, so that what the loaders take for
+// Meshes in dropped files: PLY, OBJ, and STL by the loader of three.js. A file may have any bytes, so that what the loader takes for
 // granted is checked before.
-import { BufferAttribute, BufferGeometry, Mesh, Vector3 } from "three";
-import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
+import { Vector3 } from "three";
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
+import { readObjMesh } from "./obj_mesh";
 import { readPlyMesh } from "./ply_mesh";
+import type { PolygonMesh } from "./polygons";
 import { boundsOf, opposedShare, turnOutwards, type TriangleMesh } from "./triangle_mesh";
 
 export const maxMeshBytes = 32 << 20;
 const maxTriangles = 500_000;
 const maxOpposedShare = 0.005;  // a scan may have a few
-const maxHeaderBytes = 64 * 1024;
 
 export interface MeshFile {
   mesh: TriangleMesh;      // in the unit of the file
@@ -42,19 +42,11 @@ function statedUnit(lines: string): string {
   return names.find(([pattern]) => pattern.test(found))?.[1] ?? "";
 }
 
-// An ArrayBuffer of the bytes alone.
-const bufferOf = (bytes: Uint8Array): ArrayBuffer => bytes.slice().buffer as ArrayBuffer;
-
 function checkCount(triangles: number): void {
   if (triangles > maxTriangles) throw new Error(`it has more than ${maxTriangles.toLocaleString("en")} triangles; simplify it, or use graspdb teach OBJECT --mesh FILE`);
 }
 
-function fromPly(bytes: Uint8Array): { geometries: BufferGeometry[]; comments: string } {
-  const { vertices, triangles, comments } = readPlyMesh(bytes, checkCount);
-  return { geometries: [new BufferGeometry().setAttribute("position", new BufferAttribute(vertices, 3)).setIndex(triangles)], comments };
-}
-
-function fromStl(bytes: Uint8Array): { geometries: BufferGeometry[]; comments: string } {
+function readStlMesh(bytes: Uint8Array): PolygonMesh {
   if (bytes.length < 84) throw new Error("it is too short for an STL file");
   const triangles = new DataView(bytes.buffer, bytes.byteOffset).getUint32(80, true);
   const isText = bytes.length !== 84 + 50 * triangles;
@@ -66,45 +58,34 @@ function fromStl(bytes: Uint8Array): { geometries: BufferGeometry[]; comments: s
     if (end < 0 || text.length - end > 1024) throw new Error("the text of the STL file is cut short");
     if (text.split("endfacet").length !== text.split(/facet\s+normal/).length) throw new Error("a facet of the STL file has no end");
   }
-  return { geometries: [new STLLoader().parse(bufferOf(bytes))], comments: textOf(bytes.subarray(0, 80)) };
+  // An ArrayBuffer of the bytes alone.
+  const geometry = new STLLoader().parse(bytes.slice().buffer as ArrayBuffer);
+  const vertices = geometry.attributes.position!.array as Float32Array;
+  geometry.dispose();
+  return { vertices, triangles: Array.from({ length: vertices.length / 3 }, (_, i) => i), comments: textOf(bytes.subarray(0, 80)) };
 }
 
-function fromObj(bytes: Uint8Array): { geometries: BufferGeometry[]; comments: string } {
-  const text = textOf(bytes);
-  const geometries: BufferGeometry[] = [];
-  new OBJLoader().parse(text).traverse((each) => {
-    if (each instanceof Mesh) geometries.push(each.geometry as BufferGeometry);
-  });
-  return { geometries, comments: text.slice(0, maxHeaderBytes).split("\n").filter((line) => line.startsWith("#")).join("\n") };
-}
-
-// Vertices of equal coordinates as one.
-export function welded(geometries: BufferGeometry[]): TriangleMesh {
-  const count = geometries.reduce((sum, each) => sum + (each.index?.count ?? each.attributes.position!.count), 0);
-  if (count === 0 || count % 3 !== 0) throw new Error("it has no triangles");
-  checkCount(count / 3);
-  const triangles = new Uint32Array(count);
-  const vertices: number[] = [];
+// Vertices of equal coordinates as one, and those of no triangle left out.
+function welded({ vertices, triangles }: PolygonMesh): TriangleMesh {
+  if (triangles.length === 0) throw new Error("it has no triangles");
+  checkCount(triangles.length / 3);
+  const out: TriangleMesh = { vertices: new Float32Array(), triangles: new Uint32Array(triangles.length) };
+  const kept: number[] = [];
   const numbers = new Map<string, number>();
-  let at = 0;
-  for (const { index, attributes } of geometries) {
-    const position = attributes.position!;
-    for (let i = 0; i < (index?.count ?? position.count); ++i) {
-      const from = index ? index.getX(i) : i;
-      if (from >= position.count) throw new Error("a face has a corner that is not a vertex");
-      const [x, y, z] = [position.getX(from) + 0, position.getY(from) + 0, position.getZ(from) + 0];  // -0 is 0
-      if (!Number.isFinite(x + y + z)) throw new Error("a vertex is not finite");
-      const key = `${x},${y},${z}`;
-      let number = numbers.get(key);
-      if (number === undefined) {
-        number = vertices.length / 3;
-        vertices.push(x, y, z);
-        numbers.set(key, number);
-      }
-      triangles[at++] = number;
+  triangles.forEach((from, at) => {
+    const [x, y, z] = [0, 1, 2].map((k) => vertices[3 * from + k]! + 0) as [number, number, number];  // -0 is 0
+    if (!Number.isFinite(x + y + z)) throw new Error("a vertex is not finite");
+    const key = `${x},${y},${z}`;
+    let number = numbers.get(key);
+    if (number === undefined) {
+      number = kept.length / 3;
+      kept.push(x, y, z);
+      numbers.set(key, number);
     }
-  }
-  return { vertices: new Float32Array(vertices), triangles };
+    out.triangles[at] = number;
+  });
+  out.vertices = new Float32Array(kept);
+  return out;
 }
 
 // Steps of single precision at the farthest coordinate that the largest side must have.
@@ -118,13 +99,12 @@ function checkPrecision(mesh: TriangleMesh): void {
 export function readMesh(name: string, bytes: Uint8Array): MeshFile {
   if (bytes.length > maxMeshBytes) throw new Error(`${name} is larger than ${maxMeshBytes >> 20} MiB`);
   try {
-    const read = /\.ply$/i.test(name) ? fromPly : /\.stl$/i.test(name) ? fromStl : fromObj;
-    const { geometries, comments } = read(bytes);
-    const mesh = welded(geometries);
-    geometries.forEach((each) => each.dispose());
+    const read = /\.ply$/i.test(name) ? readPlyMesh : /\.stl$/i.test(name) ? readStlMesh : readObjMesh;
+    const polygons = read(bytes, checkCount);
+    const mesh = welded(polygons);
     checkPrecision(mesh);
     turnOutwards(mesh);
-    return { mesh, stated: statedUnit(comments), isSided: opposedShare(mesh) <= maxOpposedShare };
+    return { mesh, stated: statedUnit(polygons.comments), isSided: opposedShare(mesh) <= maxOpposedShare };
   } catch (error) {
     const text = error instanceof Error && error.constructor === Error ? error.message : `it cannot be read (${String(error)}); export it again as PLY, OBJ or STL`;
     throw new Error(`${name} is no usable mesh: ${text}`);
