@@ -1,4 +1,4 @@
-// The file of --config, of the server and the client.
+// The command line of a program, and the file of --config.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -10,8 +10,9 @@
 
 namespace graspdb::recognition {
 
-// Of some thousand of the points each, in metres, those within `distance_m` of the plane. O(n),
-// about 1 ms. Thread-safe. Source and figures: docs/adr/0040-frames-without-a-table.md.
+// The first two functions take some thousand of a scan's points, in metres, and look at those
+// within `distance_m` of the plane. O(n), about 1 ms. Thread-safe. Source and figures:
+// docs/adr/0040-frames-without-a-table.md.
 
 // Whether most of these points lie on a surface: of what is within 3 cm of such a point, nearly all
 // is near the plane. The feet of objects on a table that is too black to be measured are a layer of
