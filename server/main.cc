@@ -51,6 +51,10 @@ int Run(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   const StopSignal stop;
   StartBackgroundLog("graspdb", options.log_level);
+  if (options.index == "flann") {
+    spdlog::warn(
+        "event=option_without_effect option=--index advice=\"remove it: searches are exact\"");
+  }
   absl::StatusOr<std::unique_ptr<Server>> server =
       Server::Start(options, [&stop] { return stop.IsPending(); });
   if (absl::IsCancelled(server.status())) {

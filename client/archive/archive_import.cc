@@ -72,7 +72,7 @@ absl::StatusOr<bool> RaiseOutcomesTo(const v1::StablePose& file, Client& client,
   const OutcomeCounts wanted = CountsOf(file);
   OutcomeCounts counted = CountsOf(server);
   bool raised = false;
-  // The server's grasps, of which there are few: the file may have counts of others.
+  // The loop is over the server's grasps, at most 64. The file may count others too.
   for (const v1::Grasp& grasp : server.grasps()) {
     const auto found = wanted.find(grasp.grasp_id());
     if (found == wanted.end()) continue;

@@ -39,7 +39,7 @@ struct ServerOptions {
   double voxel_size_m = 0.003;
   double normal_radius_m = 0.010;
   std::string descriptor = "gsh288";
-  std::string index = {};  // of earlier versions; without effect
+  std::string index = {};  // of earlier versions; "flann" gets a warning, and has no effect
   std::string log_level = "info";
 };
 

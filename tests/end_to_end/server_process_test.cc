@@ -23,6 +23,11 @@ class ServerProcessTest : public ProgramsTest {
   }
 };
 
+TEST_F(ServerProcessTest, AnIndexOfEarlierSettingsIsReported) {
+  StartServer("db", {"--index", "flann"});
+  EXPECT_TRUE(server_->WaitForError("event=option_without_effect option=--index"));
+}
+
 TEST_F(ServerProcessTest, LogsItsAddressAndExitsWithZeroOnSigterm) {
   for (const int signal : {SIGTERM, SIGINT}) {
     StartServer();
