@@ -12,18 +12,8 @@ namespace graspdb::lab {
 namespace {
 
 using recognition::Descriptor;
-using recognition::DescriptorKind;
 
 constexpr double kFalseRad = 15.5 * std::numbers::pi / 180;
-struct Kind {
-  const char* shown;
-  DescriptorKind kind;
-};
-constexpr std::array<Kind, 4> kKinds = {{{"VFH-263", DescriptorKind::kVfh263},
-                                         {"VFH-308", DescriptorKind::kVfh308},
-                                         {"MVFH-300", DescriptorKind::kMvfh300},
-                                         {"GSH-288", DescriptorKind::kGsh288}}};
-
 // Terms that are summed over the bins; the sums are ordered like the distances.
 double Hellinger(float a, float b) {
   const double d = std::sqrt(static_cast<double>(a)) - std::sqrt(static_cast<double>(b));
@@ -51,7 +41,7 @@ struct Sample {
   std::size_t part = 0;
   double azimuth_rad = 0;
   bool posed = true;                    // the azimuth is known
-  std::vector<Descriptor> descriptors;  // by kKinds
+  std::vector<Descriptor> descriptors;  // by DescriptorNames()
 };
 
 absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
@@ -60,9 +50,10 @@ absl::StatusOr<Sample> SampleOf(const Trial& trial, const ExperimentRun& run) {
   Sample out{.part = truth.part, .posed = trial.posed, .descriptors = {}};
   const Eigen::Vector3d x = truth.world_object.linear().col(0);
   out.azimuth_rad = std::atan2(x.y(), x.x());
-  for (const Kind& kind : kKinds) {
+  for (const std::string& name : recognition::DescriptorNames()) {
     ASSIGN_OR_RETURN(auto descriptor,
-                     recognition::Describe(shown.segment.cloud, shown.world_sensor, kind.kind));
+                     recognition::Describe(shown.segment.cloud, shown.world_sensor,
+                                           *recognition::DescriptorFromName(name)));
     out.descriptors.push_back(std::move(descriptor));
   }
   return out;
@@ -129,7 +120,8 @@ NearestSamples NearestTo(const Sample& query, const std::vector<Sample>& views,
 DescriptorFigures Figures(const std::vector<Sample>& views, const std::vector<Sample>& queries,
                           bool leave_one_out, std::size_t kind, const Distance& distance,
                           const PartSet& set) {
-  DescriptorFigures out{.descriptor = kKinds[kind].shown, .distance = distance.name};
+  DescriptorFigures out{.descriptor = recognition::DescriptorNames()[kind],
+                        .distance = distance.name};
   std::map<std::string, double> query_counts;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const Sample& query = queries[i];
@@ -164,7 +156,7 @@ absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet&
   ASSIGN_OR_RETURN(const auto queries, trials.leave_one_out
                                            ? views
                                            : Samples(trials.queries, "descriptors: queries", run));
-  std::vector<DescriptorFigures> out(kKinds.size() * kDistances.size());
+  std::vector<DescriptorFigures> out(recognition::DescriptorNames().size() * kDistances.size());
   absl::Status compared = ForEach(out.size(), "descriptors: comparing", run, [&](std::size_t i) {
     out[i] = Figures(*views, queries, trials.leave_one_out, i / kDistances.size(),
                      kDistances[i % kDistances.size()], set);

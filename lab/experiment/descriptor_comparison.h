@@ -14,7 +14,7 @@ namespace graspdb::lab {
 
 // Results of the nearest view by one descriptor and one distance.
 struct DescriptorFigures {
-  std::string descriptor;  // display name, e.g. "MVFH-300"
+  std::string descriptor;  // one of DescriptorNames()
   std::string distance;    // display name, e.g. "chi-square"
   // How often the nearest of the object's own views is from a viewpoint more than 15 degrees off,
   // modulo its symmetry: the paper's false recognition of mirrored poses (figure 12). By object id;
@@ -28,8 +28,8 @@ struct DescriptorFigures {
 double MeanFalseRecognition(const DescriptorFigures& figures);
 
 // Every descriptor with every distance over `trials`, which show one object at a time. Objects that
-// are not taught are left out. Descriptors in the order VFH-263, VFH-308, MVFH-300, GSH-288;
-// distances chi-square, Hellinger, L1, L2. Errors as RunCase.
+// are not taught are left out. Descriptors in the order of DescriptorNames(); distances chi-square,
+// Hellinger, L1, L2. Errors as RunCase.
 absl::StatusOr<std::vector<DescriptorFigures>> CompareDescriptors(const PartSet& set,
                                                                   const ExperimentTrials& trials,
                                                                   const ExperimentRun& run);
