@@ -45,6 +45,25 @@ v1::View ViewToProto(const storage::ViewRecord& record) {
   return out;
 }
 
+// Describes a view's cloud by each kind of descriptor that can.
+absl::Status AddDescriptors(const storage::ViewRecord& record, std::string_view packed,
+                            recognition::DescriptorParameters parameters, v1::View* view) {
+  ASSIGN_OR_RETURN(const auto taught, ViewFromRecord(record));
+  const recognition::Pose& sensor = taught->world_sensor;
+  ASSIGN_OR_RETURN(const recognition::OrientedCloud cloud,
+                   CloudFromPacked(packed, sensor, parameters));
+  for (const std::string& name : recognition::DescriptorNames()) {
+    parameters.kind = *recognition::DescriptorFromName(name);
+    const auto descriptor = MakeDescriptorRecord(cloud, sensor, parameters);
+    if (absl::IsFailedPrecondition(descriptor.status())) continue;
+    RETURN_IF_ERROR(descriptor.status());
+    v1::ViewDescriptor& added = *view->add_descriptors();
+    added.set_name(name);
+    *added.mutable_bins() = descriptor->bins();
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 CatalogService::CatalogService(CatalogContext context)
@@ -180,11 +199,13 @@ grpc::Status CatalogService::GetView(grpc::ServerContext* context,
     absl::StatusOr<storage::ViewRecord> record = context_.catalogue.GetView(request->name());
     if (!record.ok()) return AtField("name", record.status());
     *response = ViewToProto(*record);
-    if (request->detail() != v1::VIEW_DETAIL_FULL) return absl::OkStatus();
+    const bool is_described = request->detail() == v1::VIEW_DETAIL_DESCRIBED;
+    if (request->detail() != v1::VIEW_DETAIL_FULL && !is_described) return absl::OkStatus();
     ASSIGN_OR_RETURN(std::string packed, context_.catalogue.GetPackedCloud(request->name()));
     ASSIGN_OR_RETURN(recognition::Points points, PointsFromPacked(packed));
     *response->mutable_cloud() = files::CloudMessage(points, 0);
-    return absl::OkStatus();
+    if (!is_described) return absl::OkStatus();
+    return AddDescriptors(*record, packed, context_.parameters.descriptor, response);
   });
 }
 

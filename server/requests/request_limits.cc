@@ -42,11 +42,13 @@ struct CountLimit {
   std::string_view field;
   int elements;
 };
-constexpr std::array<CountLimit, 4> kCounts = {{
+constexpr std::array<CountLimit, 5> kCounts = {{
     {"graspdb.v1.Object.labels", 32},
     {"graspdb.v1.Cell.labels", 32},
     {"graspdb.v1.StablePose.grasps", kMaxGrasps},
     {"graspdb.v1.StablePose.grasp_outcomes", kMaxGrasps},
+    // Output only, but a client may send a view back as it got it.
+    {"graspdb.v1.ViewDescriptor.bins", 1024},
 }};
 
 std::size_t MaxBytesOf(const FieldDescriptor& field) {

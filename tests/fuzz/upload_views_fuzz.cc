@@ -47,7 +47,7 @@ void ListViews(FuzzServer& server, int expected) {
   for (const v1::View& view : response.views()) {
     v1::GetViewRequest get;
     get.set_name(view.name());
-    get.set_detail(v1::VIEW_DETAIL_FULL);
+    get.set_detail(v1::VIEW_DETAIL_DESCRIBED);
     grpc::ClientContext get_context;
     v1::View got;
     Require(server.catalog().GetView(&get_context, get, &got).ok(), "a view is read");

@@ -182,6 +182,18 @@ try {
   await checkRules("catalogue");
   await page.locator(".views .pick").first().click();
   await page.locator('.views .pick[aria-pressed="true"]').waitFor();
+  // The descriptor that the server uses comes first. Every part of each has bins.
+  await page.locator(".descriptors canvas").first().waitFor();
+  assert.deepEqual(await page.locator(".descriptors h4").allInnerTexts(), ["gsh288288 bins, finds the views", "vfh263263 bins", "mvfh300300 bins", "vfh308308 bins"]);
+  const histograms = await page.locator(".descriptors canvas").evaluateAll((all) => all.map((each) => {
+    const { data } = each.getContext("2d").getImageData(0, 0, each.width, each.height);
+    return { part: each.getAttribute("aria-label"), pixels: data.filter((value, i) => i % 4 === 3 && value > 0).length };
+  }));
+  assert.deepEqual(histograms.filter(({ pixels }) => pixels < 20).map(({ part }) => part), ["vfh308 distance"]);  // PCL leaves it empty
+  assert.equal(histograms.length, 3 + 4 + 6 + 5);
+  await page.locator(".descriptors").scrollIntoViewIfNeeded();
+  await picture("descriptors");
+  await checkRules("descriptors");
   await page.locator(".views .beside").first().click();
   await page.getByText("flange / ").first().waitFor();
   assert.equal(await page.locator("#segmented").isChecked(), true);

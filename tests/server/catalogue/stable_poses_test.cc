@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <numeric>
 
+#include "recognition/descriptors/descriptor.h"
 #include "tests/server/server_fixture.h"
 
 namespace graspdb::testing {
@@ -223,6 +225,48 @@ TEST_F(StablePosesTest, OnlyAFullViewHasItsCloud) {
             full.point_count() * full.cloud().point_stride());
   full.clear_cloud();
   EXPECT_EQ(full.SerializeAsString(), basic.SerializeAsString());
+}
+
+TEST_F(StablePosesTest, ADescribedViewHasEachDescriptorOfItsCloud) {
+  Teach("wedge", 1);
+  const std::string name = FlatPoseOf("wedge") + "/views/turn-0";
+  v1::View full;
+  ASSERT_THAT(GetView(name, v1::VIEW_DETAIL_FULL, &full), IsGrpcOk());
+  EXPECT_THAT(full.descriptors(), ::testing::IsEmpty());
+  v1::View described;
+  ASSERT_THAT(GetView(name, v1::VIEW_DETAIL_DESCRIBED, &described), IsGrpcOk());
+  std::vector<std::string> names;
+  for (const v1::ViewDescriptor& each : described.descriptors()) {
+    names.push_back(each.name());
+    const auto kind = recognition::DescriptorFromName(each.name());
+    ASSERT_TRUE(kind.has_value()) << each.name();
+    EXPECT_EQ(each.bins_size(), recognition::DescriptorSize(*kind));
+    // Four parts of 100 as PCL scales them; its fifth one, of distances, is empty.
+    const double mass = *kind == recognition::DescriptorKind::kVfh308 ? 400 : 1;
+    EXPECT_NEAR(std::accumulate(each.bins().begin(), each.bins().end(), 0.0), mass, 0.01 * mass);
+  }
+  EXPECT_EQ(names, recognition::DescriptorNames());
+  described.clear_descriptors();
+  EXPECT_EQ(described.SerializeAsString(), full.SerializeAsString());
+}
+
+// A view that is read with its descriptors can be sent back.
+TEST_F(StablePosesTest, DescriptorsOfAnUploadAreIgnored) {
+  Teach("wedge", 1);
+  v1::View described;
+  ASSERT_THAT(GetView(FlatPoseOf("wedge") + "/views/turn-0", v1::VIEW_DETAIL_DESCRIBED, &described),
+              IsGrpcOk());
+  v1::UploadViewsRequest upload;
+  upload.set_parent(FlatPoseOf("wedge"));
+  upload.set_view_id("again");
+  *upload.mutable_view() = described;
+  for (v1::ViewDescriptor& each : *upload.mutable_view()->mutable_descriptors())
+    each.set_bins(0, 7);
+  ASSERT_THAT(Upload(upload), IsGrpcOk());
+  v1::View again;
+  ASSERT_THAT(GetView(FlatPoseOf("wedge") + "/views/again", v1::VIEW_DETAIL_DESCRIBED, &again),
+              IsGrpcOk());
+  EXPECT_NE(again.descriptors(0).bins(0), 7);
 }
 
 TEST_F(StablePosesTest, AViewKeepsThePosesOfItsCapture) {

@@ -104,6 +104,8 @@ export function fullView(name: string): Promise<View> {
   return view;
 }
 
+export const describedView = (name: string): Promise<View> => catalog.getView({ name, detail: ViewDetail.DESCRIBED });
+
 export interface Explained { title: string; text: string; advice: string; requestId: string; needsToken: boolean }
 
 // An error with the advice of docs/errors.md. `title`: of one that the page itself made.

@@ -6,6 +6,7 @@ import { attempt } from "../base/attempt";
 import { deletePose, deleteView, releasePose, type Edit } from "./catalogue_edits";
 import { facts, h, replace, table } from "../base/dom";
 import { matrixOf } from "../base/geometry";
+import { DescriptorPlots } from "./descriptor_plots";
 import { ObjectPanel } from "./object_panel";
 import { cloudScan, type Scan } from "../files/scan";
 import { boxOf, maxDrawnViews, pointsInObjectFrame, viewsToDraw } from "./stable_pose_points";
@@ -33,6 +34,7 @@ export class CatalogueView {
   private pose: StablePose | undefined;
   private views: View[] = [];
   private view: View | undefined;
+  private plots = new DescriptorPlots();  // of `view`
   private isObjectShown = false;
   private isBusy = false;
   private step = 0;
@@ -102,6 +104,7 @@ export class CatalogueView {
   }
 
   recolour(): void {
+    this.plots.draw();
     if (this.pose) void this.attempt(() => this.draw(false));
     else this.viewer.draw();
   }
@@ -174,7 +177,10 @@ export class CatalogueView {
 
   private async selectView(view: View | undefined): Promise<void> {
     this.view = view === this.view ? undefined : view;
+    const plots = new DescriptorPlots();
+    this.plots = plots;
     await this.attempt(() => this.draw(false));
+    if (this.view && this.plots === plots) await this.attempt(() => plots.load(this.view!.name));
   }
 
   // With the selected one.
@@ -255,11 +261,12 @@ export class CatalogueView {
       h("h3", {}, "Views"),
       this.views.length > maxDrawnViews && h("p", { className: "hint" }, `${maxDrawnViews} of them are drawn.`),
       h("div", { className: "views" }, this.views.map((each) => {
-        return h("div", { className: "row" },
+        const row = h("div", { className: "row" },
           h("button", { type: "button", className: "pick", "aria-pressed": each === this.view, onclick: () => void this.selectView(each) },
             lastPart(each.name), h("small", {}, `${each.pointCount.toLocaleString("en")} points${each.objectPoseEstimated ? ", pose estimated" : ""}`)),
           h("button", { type: "button", className: "beside", title: "Open it as a scan", onclick: () => void this.openScan(each) }, "open"),
           each === this.view && h("button", { type: "button", className: "beside danger", title: "Delete this view", onclick: () => void this.run(() => deleteView(each)) }, "delete …"));
+        return each === this.view ? [row, this.plots.element] : row;
       })));
   }
 
