@@ -60,7 +60,7 @@ absl::Status CheckSource(const RequestHead& head, const Origins& origins) {
 Answer FileAnswer(const RequestHead& head, std::span<const PageFile> files) {
   const std::string_view path = Path(head);
   if (FindMethod(path) != nullptr) {
-    Answer out = ErrorAnswer(405, absl::UnimplementedError("methods are called by POST"));
+    Answer out = ErrorAnswer(405, absl::UnimplementedError("call a method by POST"));
     out.head.set(http::field::allow, "POST");
     return out;
   }

@@ -126,7 +126,7 @@ void HttpConnection<Stream>::OnHead(ErrorCode error, std::size_t /*bytes*/) {
                      "the body is larger than ", site_.limits.max_body_bytes >> 20, " MiB")),
                  status);
   } else if (error) {
-    RespondError(absl::InvalidArgumentError("this is not a request of HTTP within the limits"),
+    RespondError(absl::InvalidArgumentError("this is no HTTP request, or its head is too long"),
                  status);
   } else {
     Route();

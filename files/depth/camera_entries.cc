@@ -91,8 +91,7 @@ class Collector {
 absl::StatusOr<std::vector<CameraEntry>> CameraEntriesOf(const google::protobuf::Struct& document) {
   Collector collector;
   if (!collector.AddAll({}, document, 0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("has objects nested in more than ", kDeepest, " others"));
+    return absl::InvalidArgumentError(absl::StrCat("nests objects more than ", kDeepest, " deep"));
   }
   return collector.TakeSorted();
 }

@@ -197,9 +197,9 @@ absl::Status CheckComplete(const Lines& lines) {
           absl::StrCat("it has ", found, " fields named ", axis, ", not one"));
   }
   if (header.point_count() != lines.points) {
-    return absl::InvalidArgumentError(absl::StrCat("its header promises ", lines.points,
-                                                   " points, but ", header.width, " x ",
-                                                   header.height, " of them"));
+    return absl::InvalidArgumentError(absl::StrCat("its header has POINTS ", lines.points,
+                                                   ", but WIDTH ", header.width, " and HEIGHT ",
+                                                   header.height));
   }
   if (lines.points == 0) return absl::InvalidArgumentError("its header promises no points");
   if (header.point_count() * header.point_bytes() >= kMaxBodyBytes) {
@@ -222,7 +222,7 @@ absl::StatusOr<PcdHeader> Parse(std::istream& in) {
     lines.header.body_offset = static_cast<std::size_t>(in.tellg());
     return lines.header;
   }
-  return absl::InvalidArgumentError("it is not a whole PCD file, as no DATA line ends its header");
+  return absl::InvalidArgumentError("its header has no DATA line: it is cut, or no PCD file");
 }
 
 }  // namespace

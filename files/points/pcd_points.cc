@@ -87,9 +87,10 @@ absl::Status CheckCompressed(const std::filesystem::path& path, const PcdHeader&
                              std::int64_t body_bytes, std::ifstream& in) {
   const auto is_padding = [](const PcdHeader::Field& field) { return field.name == "_"; };
   if (std::any_of(header.fields.begin(), header.fields.end(), is_padding)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        path.string(), " has padding fields in a compressed body, which readers disagree on; ",
-        "write it again as DATA binary"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(path.string(),
+                     " has padding fields and a compressed body, which programs read differently; ",
+                     "write it again as DATA binary"));
   }
   std::uint32_t sizes[2] = {0, 0};  // compressed, uncompressed
   if (!in.read(reinterpret_cast<char*>(sizes), sizeof(sizes))) {

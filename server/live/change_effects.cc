@@ -36,7 +36,9 @@ bool IsPut(const storage::Mutation& mutation) {
 absl::StatusOr<recognition::IndexedView> ViewOf(
     const storage::Mutation& mutation, const recognition::DescriptorParameters& parameters) {
   storage::ViewRecord record;
-  if (!record.ParseFromString(mutation.value())) return absl::DataLossError("unreadable view");
+  if (!record.ParseFromString(mutation.value())) {
+    return absl::DataLossError("its record cannot be read");
+  }
   return IndexedViewFromRecord(record, parameters);
 }
 

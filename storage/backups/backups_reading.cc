@@ -233,7 +233,7 @@ absl::StatusOr<Backup> Backups::Compare(BackupId id, const std::string& database
                                         DifferenceVisitor visit) const {
   ASSIGN_OR_RETURN(const auto found, InspectDirectory(database));
   if (found == DirectoryContent::kNothing) {
-    return absl::NotFoundError("there is no database at " + database);
+    return absl::NotFoundError("there is no database at " + database + "; check the path");
   }
   const DatabaseLock lock(database);
   if (lock.is_taken()) {

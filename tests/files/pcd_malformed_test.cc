@@ -60,8 +60,8 @@ TEST(PcdMalformed, HeaderLines) {
   ExpectRefused(std::string("\x7f"
                             "ELF\0\1\2",
                             7),
-                "not a whole PCD file");
-  ExpectRefused(std::string(300000, 'a'), "not a whole PCD file");
+                "no DATA line");
+  ExpectRefused(std::string(300000, 'a'), "no DATA line");
   ExpectRefused(Header({{"DATA", ""}}), "no DATA line");
   ExpectRefused(Header({{"DATA", "zip"}}) + kRows, "DATA line");
   ExpectRefused(Header({{"FIELDS", ""}}) + kRows, "SIZE line has 3 entries for 0 fields");

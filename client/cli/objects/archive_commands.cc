@@ -213,10 +213,10 @@ class ArchiveCommand {
 
   static absl::Status Undecided(const ArchiveComparison& comparison, const char* consequence) {
     return absl::FailedPreconditionError(
-        absl::StrCat("of the archive's records, ", comparison.CountOf(ArchiveState::kConflict),
-                     " changed on both sides, so ", consequence,
-                     "; choose --on-conflict keep, replace or later, or give the archive from "
-                     "which both began as --base"));
+        absl::StrCat(comparison.CountOf(ArchiveState::kConflict),
+                     " records of the archive were changed on both sides; ", consequence,
+                     ". Choose --on-conflict keep, replace or later, or name the archive that both "
+                     "sides started from with --base"));
   }
 
   absl::Status CheckConflicts(const ArchiveComparison& comparison) const {

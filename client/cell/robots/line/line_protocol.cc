@@ -76,7 +76,8 @@ absl::StatusOr<std::string> PoseLine(const JobAnswer& answer, int format) {
     RETURN_IF_ERROR(AppendMm(mm, &out));
   }
   for (const double number : pose.rotation) {
-    if (!std::isfinite(number)) return absl::OutOfRangeError("the rotation is none");
+    if (!std::isfinite(number))
+      return absl::OutOfRangeError("the rotation has a number that is not finite");
     absl::StrAppend(&out, " ", Fixed(number, DecimalsOfRotation(format)));
   }
   return OkLine(out);

@@ -123,7 +123,7 @@ absl::Status WriteSimulatedRecording(const std::filesystem::path& folder,
                                      const std::vector<rendering::Workpiece>& parts,
                                      const std::vector<rendering::PlannedCapture>& plan,
                                      absl::Duration duration) {
-  if (plan.empty()) return absl::InvalidArgumentError("no scenes are planned; plan at least one");
+  if (plan.empty()) return absl::InvalidArgumentError("a recording needs at least one scene");
   ASSIGN_OR_RETURN(const rendering::DepthCamera camera,
                    rendering::DepthCamera::Create(SimulatedKinectV1()));
   ASSIGN_OR_RETURN(FakenectRecording recording, FakenectRecording::Create(folder));

@@ -61,7 +61,8 @@ absl::StatusOr<SensorFrame> SimulatedSensor::Next(MonotonicTime deadline) {
                    camera_.Render(rendering::SceneOf(parts_, scene, /*with_table=*/true),
                                   scene.world_sensor, scene.seed));
   if (MonotonicTime::Now() > deadline) {
-    return absl::DeadlineExceededError("the simulated camera was too slow; use a later deadline");
+    return absl::DeadlineExceededError(
+        "the simulated camera took too long to render; raise the time limit");
   }
   SensorFrame out = {.scan = files::DepthMessage(rendering::ToCounts(frame, kDepthUnitM),
                                                  camera_.model().intrinsics, kDepthUnitM),
