@@ -13,7 +13,7 @@
 #include "files/points/point_file.h"
 #include "recognition/segmentation/region.h"
 #include "rendering/sample_parts.h"
-#include "tests/recognition/shared_data.h"
+#include "tests/recognition/scenes/shared_data.h"
 
 namespace graspdb::bench {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "recognition/models/surface_model.h"
 #include "rendering/sample_parts.h"
-#include "tests/bench/peer_pcl.h"
-#include "tests/bench/peer_pcl_fusion.h"
+#include "tests/bench/peer/peer_pcl.h"
+#include "tests/bench/peer/peer_pcl_fusion.h"
 #include "tests/bench/seen_parts.h"
 #include "tests/bench/suite.h"
 #include "tests/rendering/mesh_measure.h"

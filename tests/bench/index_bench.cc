@@ -13,7 +13,7 @@
 #include "recognition/index/descriptor_index.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/suite.h"
-#include "tests/recognition/chi_square.h"
+#include "tests/recognition/scenes/chi_square.h"
 
 namespace graspdb::bench {
 namespace {

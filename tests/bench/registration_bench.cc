@@ -10,7 +10,7 @@
 #include "recognition/points/point_search.h"
 #include "rendering/camera/depth_camera.h"
 #include "tests/bench/frames.h"
-#include "tests/bench/peer_pcl.h"
+#include "tests/bench/peer/peer_pcl.h"
 #include "tests/bench/suite.h"
 
 namespace graspdb::bench {

@@ -3,7 +3,7 @@
 
 #include "recognition/descriptors/descriptor.h"
 #include "tests/bench/frames.h"
-#include "tests/bench/peer_pcl.h"
+#include "tests/bench/peer/peer_pcl.h"
 #include "tests/bench/suite.h"
 
 namespace graspdb::bench {

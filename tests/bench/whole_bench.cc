@@ -9,7 +9,7 @@
 #include "recognition/recognizer.h"
 #include "tests/bench/catalogue.h"
 #include "tests/bench/frames.h"
-#include "tests/bench/peer_pcl.h"
+#include "tests/bench/peer/peer_pcl.h"
 #include "tests/bench/suite.h"
 
 namespace graspdb::bench {

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "graspdb/v1/backup.pb.h"
-#include "tests/end_to_end/outcome_matchers.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 
 namespace graspdb::end_to_end {
 namespace {

@@ -2,7 +2,7 @@
 // answers.
 #include <gmock/gmock.h>
 
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 
 namespace graspdb::end_to_end {
 namespace {

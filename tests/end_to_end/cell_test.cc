@@ -9,7 +9,7 @@
 #include "client/cell/sensors/kinect/kinect_v1_calibration.h"
 #include "rendering/camera/depth_camera.h"
 #include "rendering/simulation.h"
-#include "tests/end_to_end/cell_fixture.h"
+#include "tests/end_to_end/fixtures/cell_fixture.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

@@ -9,7 +9,7 @@
 #include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 #include "rendering/camera/depth_camera.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "client/sdk/client.h"
-#include "tests/end_to_end/outcome_matchers.h"
-#include "tests/end_to_end/programs_fixture.h"
-#include "tests/end_to_end/view_names.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
+#include "tests/end_to_end/fixtures/view_names.h"
 
 namespace graspdb::end_to_end {
 namespace {

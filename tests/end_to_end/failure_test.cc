@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "graspdb/v1/upload_service.pb.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 
 namespace graspdb::end_to_end {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "client/sdk/client.h"
 #include "files/messages/scan_message.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

@@ -3,7 +3,7 @@
 
 #include "client/cell/sensors/kinds/open_sensor.h"
 #include "tests/client/cell/sensors/genicam/fake_camera.h"
-#include "tests/end_to_end/cell_fixture.h"
+#include "tests/end_to_end/fixtures/cell_fixture.h"
 #include "tests/testing/own_network.h"
 #include "tests/testing/status_matchers.h"
 

@@ -3,7 +3,7 @@
 
 #include <csignal>
 
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 
 namespace graspdb::end_to_end {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cell/blackbox/bundle_files.h"
-#include "tests/end_to_end/cell_fixture.h"
-#include "tests/end_to_end/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/cell_fixture.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
 #include "tests/testing/scrape.h"
 #include "tests/testing/status_matchers.h"
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "files/capture_sets/capture_set.h"
-#include "tests/end_to_end/outcome_matchers.h"
-#include "tests/end_to_end/programs_fixture.h"
-#include "tests/recognition/shared_data.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
+#include "tests/recognition/scenes/shared_data.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

@@ -4,8 +4,8 @@
 #include "client/cell/blackbox/black_box.h"
 #include "client/cli/recognize/scan_source.h"
 #include "client/sdk/client.h"
-#include "tests/end_to_end/outcome_matchers.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

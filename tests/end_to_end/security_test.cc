@@ -9,8 +9,8 @@
 
 #include "absl/time/clock.h"
 #include "graspdb/v1/audit.pb.h"
-#include "tests/end_to_end/cell_fixture.h"
-#include "tests/end_to_end/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/cell_fixture.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
 #include "tests/testing/certificates.h"
 
 namespace graspdb::end_to_end {

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "files/points/point_file.h"
-#include "tests/end_to_end/outcome_matchers.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

@@ -10,7 +10,7 @@
 #include "files/messages/pose_message.h"
 #include "rendering/meshes/mesh_file.h"
 #include "rendering/meshes/solid.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::end_to_end {

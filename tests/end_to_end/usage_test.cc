@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "tests/end_to_end/outcome_matchers.h"
-#include "tests/end_to_end/programs_fixture.h"
-#include "tests/end_to_end/written_clouds.h"
+#include "tests/end_to_end/fixtures/outcome_matchers.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
+#include "tests/end_to_end/fixtures/written_clouds.h"
 
 namespace graspdb::end_to_end {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/end_to_end/process.h"
+#include "tests/end_to_end/fixtures/process.h"
 #include "tests/faults/own_mounts.h"
 
 namespace graspdb::faults {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "tests/end_to_end/programs_fixture.h"
+#include "tests/end_to_end/fixtures/programs_fixture.h"
 #include "tests/faults/sample_views.h"
 
 namespace graspdb::faults {

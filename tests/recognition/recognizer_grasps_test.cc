@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "recognition/recognizer.h"
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/recognition/counting_clouds.h"
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/counting_clouds.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "recognition/scene/scene_score.h"
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

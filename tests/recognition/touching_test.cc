@@ -4,7 +4,7 @@
 
 #include "recognition/recognizer.h"
 #include "recognition/segmentation/segmentation.h"
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

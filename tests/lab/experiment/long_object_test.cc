@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "lab/experiment/experiment.h"
-#include "tests/recognition/shared_data.h"
+#include "tests/recognition/scenes/shared_data.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::lab {

@@ -12,7 +12,7 @@
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/trials/capture_trials.h"
 #include "tests/files/temporary_folder.h"
-#include "tests/recognition/shared_data.h"
+#include "tests/recognition/scenes/shared_data.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::lab {

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "recognition/descriptors/descriptor.h"
-#include "tests/recognition/descriptor_parts.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/descriptor_parts.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

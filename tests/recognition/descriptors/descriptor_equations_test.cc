@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "recognition/descriptors/descriptor.h"
-#include "tests/recognition/descriptor_parts.h"
 #include "tests/recognition/descriptors/described.h"
+#include "tests/recognition/scenes/descriptor_parts.h"
 
 namespace graspdb::recognition {
 namespace {

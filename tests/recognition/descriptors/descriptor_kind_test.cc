@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "recognition/descriptors/descriptor.h"
-#include "tests/recognition/descriptor_parts.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/descriptor_parts.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -10,10 +10,10 @@
 #include <numbers>
 
 #include "recognition/descriptors/descriptor.h"
-#include "tests/recognition/chi_square.h"
-#include "tests/recognition/descriptor_parts.h"
 #include "tests/recognition/descriptors/described.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/chi_square.h"
+#include "tests/recognition/scenes/descriptor_parts.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

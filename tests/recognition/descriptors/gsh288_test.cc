@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "recognition/segmentation/segmentation.h"
-#include "tests/recognition/chi_square.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/chi_square.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

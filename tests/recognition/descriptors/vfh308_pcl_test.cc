@@ -8,10 +8,10 @@
 #include <sstream>
 
 #include "recognition/descriptors/descriptor.h"
-#include "tests/recognition/pcd_file.h"
-#include "tests/recognition/pcl_clouds.h"
-#include "tests/recognition/shared_data.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/pcd_file.h"
+#include "tests/recognition/scenes/pcl_clouds.h"
+#include "tests/recognition/scenes/shared_data.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 
 namespace graspdb::recognition {
 namespace {

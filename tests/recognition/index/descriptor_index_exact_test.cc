@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "recognition/index/descriptor_index.h"
-#include "tests/recognition/similar_histograms.h"
+#include "tests/recognition/scenes/similar_histograms.h"
 
 namespace graspdb::recognition {
 namespace {

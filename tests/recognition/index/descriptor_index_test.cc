@@ -8,8 +8,8 @@
 #include <unordered_set>
 
 #include "absl/strings/str_format.h"
-#include "tests/recognition/chi_square.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/chi_square.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

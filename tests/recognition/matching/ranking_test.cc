@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

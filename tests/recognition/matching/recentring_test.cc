@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/recognition/seen_from_above.h"
+#include "tests/recognition/scenes/seen_from_above.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "tests/recognition/seen_from_above.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/seen_from_above.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "recognition/base/units.h"
 #include "recognition/segmentation/segmentation.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/table_scene.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "recognition/points/point_search.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "recognition/segmentation/clusters.h"
 #include "recognition/segmentation/outliers.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

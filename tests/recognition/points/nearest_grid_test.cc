@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "recognition/points/point_search.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "recognition/segmentation/segmentation.h"
-#include "tests/recognition/synthetic_clouds.h"
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
+#include "tests/recognition/scenes/table_scene.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

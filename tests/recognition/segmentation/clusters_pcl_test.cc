@@ -7,8 +7,8 @@
 #include <algorithm>
 
 #include "recognition/segmentation/clusters.h"
-#include "tests/recognition/pcl_clouds.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/pcl_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

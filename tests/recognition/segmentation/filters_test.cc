@@ -7,7 +7,7 @@
 #include "recognition/points/normals.h"
 #include "recognition/points/voxels.h"
 #include "recognition/segmentation/outliers.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition {
 namespace {

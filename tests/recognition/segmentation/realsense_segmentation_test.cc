@@ -7,9 +7,9 @@
 #include "recognition/points/point_search.h"
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
-#include "tests/recognition/pcd_file.h"
-#include "tests/recognition/segment_overlap.h"
-#include "tests/recognition/shared_data.h"
+#include "tests/recognition/scenes/pcd_file.h"
+#include "tests/recognition/scenes/segment_overlap.h"
+#include "tests/recognition/scenes/shared_data.h"
 
 namespace graspdb::recognition {
 namespace {

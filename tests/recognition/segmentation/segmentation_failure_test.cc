@@ -7,8 +7,8 @@
 
 #include "recognition/segmentation/region.h"
 #include "recognition/segmentation/segmentation.h"
-#include "tests/recognition/synthetic_clouds.h"
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
+#include "tests/recognition/scenes/table_scene.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

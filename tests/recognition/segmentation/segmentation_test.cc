@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "recognition/segmentation/region.h"
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/table_scene.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "recognition/points/voxels.h"
 #include "recognition/segmentation/segmentation.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

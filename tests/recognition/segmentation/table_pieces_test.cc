@@ -9,7 +9,7 @@
 #include <functional>
 #include <string>
 
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/table_scene.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "recognition/points/plane.h"
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/table_scene.h"
 
 namespace graspdb::recognition {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition::simd {
 namespace {

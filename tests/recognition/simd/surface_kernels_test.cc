@@ -10,7 +10,7 @@
 #include "recognition/simd/kernels.h"
 #include "recognition/simd/rigid_transform.h"
 #include "recognition/simd/soa_cloud.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::recognition::simd {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "recognition/verification/visibility.h"
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/table_scene.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::recognition {

@@ -9,7 +9,7 @@
 #include "rendering/meshes/mesh_file.h"
 #include "rendering/meshes/solid.h"
 #include "tests/client/teaching/mesh/standing.h"
-#include "tests/recognition/shared_data.h"
+#include "tests/recognition/scenes/shared_data.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

@@ -9,7 +9,7 @@
 #include "files/messages/scan_message.h"
 #include "files/points/point_file.h"
 #include "tests/files/temporary_folder.h"
-#include "tests/recognition/shared_data.h"
+#include "tests/recognition/scenes/shared_data.h"
 #include "tests/testing/status_matchers.h"
 
 namespace graspdb::client {

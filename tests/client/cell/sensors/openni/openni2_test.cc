@@ -10,7 +10,7 @@
 #include "client/cell/sensors/kinds/open_sensor.h"
 #include "files/depth/depth_png.h"
 #include "files/messages/scan_message.h"
-#include "tests/end_to_end/process.h"
+#include "tests/end_to_end/fixtures/process.h"
 #include "tests/files/temporary_folder.h"
 #include "tests/testing/status_matchers.h"
 

@@ -6,7 +6,7 @@
 #include "tests/fuzz/fuzz_server.h"
 #include "tests/fuzz/operations.pb.h"
 #include "tests/fuzz/requirement.h"
-#include "tests/fuzz/seed_writer.h"
+#include "tests/fuzz/seeds/seed_writer.h"
 
 namespace graspdb::fuzz {
 namespace {

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "tests/fuzz/requirement.h"
-#include "tests/fuzz/seed_writer.h"
+#include "tests/fuzz/seeds/seed_writer.h"
 
 namespace graspdb::fuzz {
 

@@ -4,7 +4,7 @@
 
 #include "client/cell/robots/gri/gri_message.h"
 #include "tests/fuzz/range_image_input.h"
-#include "tests/fuzz/seed_writer.h"
+#include "tests/fuzz/seeds/seed_writer.h"
 
 namespace graspdb::fuzz {
 namespace {

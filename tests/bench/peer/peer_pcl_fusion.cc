@@ -1,4 +1,4 @@
-#include "tests/bench/peer_pcl_fusion.h"
+#include "tests/bench/peer/peer_pcl_fusion.h"
 
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/search/kdtree.h>

@@ -1,4 +1,4 @@
-#include "tests/recognition/pcd_file.h"
+#include "tests/recognition/scenes/pcd_file.h"
 
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>

@@ -1,4 +1,4 @@
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/table_scene.h"
 
 #include <algorithm>
 #include <cmath>

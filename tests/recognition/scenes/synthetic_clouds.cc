@@ -1,4 +1,4 @@
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 #include <algorithm>
 #include <cmath>

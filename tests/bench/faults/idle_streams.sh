@@ -9,7 +9,7 @@ mkdir -p "$2" && out=$(realpath "$2")
 seconds=${3:-600} connections=${4:-500} streams=${5:-5000} again=${6:-10}
 quiet=$((seconds < 60 ? seconds : 60))
 here=$(dirname "$(realpath "$0")")
-source "$here/../server_process/server.sh"
+source "$here/../../server_process/server.sh"
 unset GRASPDB_TOKEN_FILE
 
 [ -d "$out/set" ] || "$bin/graspdb" simulate --step 15 --seed 3 --out "$out/set" >/dev/null 2>&1

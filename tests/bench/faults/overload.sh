@@ -9,7 +9,7 @@ mkdir -p "$2" && out=$(realpath "$2")
 queues=("${@:3}")
 [ ${#queues[@]} != 0 ] || queues=(default)
 seconds=${SECONDS_OF_LOAD:-20}
-source "$(dirname "$0")/../server_process/server.sh"
+source "$(dirname "$0")/../../server_process/server.sh"
 
 [ -d "$out/set" ] || "$bin/graspdb" simulate --step 15 --seed 3 --out "$out/set" >/dev/null 2>&1
 

@@ -11,7 +11,7 @@
 #include "tests/fuzz/requirement.h"
 #include "tests/fuzz/sample_frames.h"
 #include "tests/fuzz/scratch_folder.h"
-#include "tests/fuzz/seed_writer.h"
+#include "tests/fuzz/seeds/seed_writer.h"
 #include "tests/server/sample_captures.h"
 
 namespace graspdb::fuzz {

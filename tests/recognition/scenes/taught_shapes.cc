@@ -1,4 +1,4 @@
-#include "tests/recognition/taught_shapes.h"
+#include "tests/recognition/scenes/taught_shapes.h"
 
 #include <algorithm>
 #include <numbers>

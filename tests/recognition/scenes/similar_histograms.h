@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "recognition/index/descriptor_chunk.h"
-#include "tests/recognition/synthetic_clouds.h"
+#include "tests/recognition/scenes/synthetic_clouds.h"
 
 namespace graspdb::testing {
 

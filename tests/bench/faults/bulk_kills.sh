@@ -7,7 +7,7 @@ set -euo pipefail
 bin=$(realpath "$1")
 mkdir -p "$2" && out=$(realpath "$2")
 views=$3
-source "$(dirname "$0")/../server_process/server.sh"
+source "$(dirname "$0")/../../server_process/server.sh"
 cell='' upload=''
 trap 'kill -9 $cell $upload 2>/dev/null || true; stop_server' EXIT
 

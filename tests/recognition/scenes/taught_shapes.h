@@ -7,7 +7,7 @@
 
 #include "recognition/models/clouds_in_memory.h"
 #include "recognition/recognizer.h"
-#include "tests/recognition/table_scene.h"
+#include "tests/recognition/scenes/table_scene.h"
 
 namespace graspdb::testing {
 

@@ -1,4 +1,4 @@
-#include "tests/bench/peer_pcl.h"
+#include "tests/bench/peer/peer_pcl.h"
 
 #include <pcl/common/centroid.h>
 #include <pcl/common/transforms.h>

@@ -7,7 +7,7 @@ set -euo pipefail
 bin=$(realpath "$1")
 mkdir -p "$2" && out=$(realpath "$2")
 seconds=$3
-source "$(dirname "$0")/../server_process/server.sh"
+source "$(dirname "$0")/../../server_process/server.sh"
 
 rm -rf "$out/db" "$out/set" "$out/backups"
 mkdir "$out/backups"

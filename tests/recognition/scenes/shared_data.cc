@@ -1,4 +1,4 @@
-#include "tests/recognition/shared_data.h"
+#include "tests/recognition/scenes/shared_data.h"
 
 #include <cstdlib>
 
