@@ -4,48 +4,21 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
-#include <fstream>
-#include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "files/base/atomic_file.h"
 #include "files/capture_sets/capture_check.h"
 #include "program/text/json_keys.h"
-#include "program/text/text_encoding.h"
+#include "program/text/read_file.h"
 
 namespace graspdb::files {
 namespace {
 
 namespace fs = std::filesystem;
 
-// As for archives.
-absl::Status CannotReadSet(const fs::path& path, const std::string& reason) {
-  return absl::NotFoundError(absl::StrCat("cannot read ", path.string(), ": ", reason,
-                                          "; check the path and its permissions"));
-}
-
-absl::StatusOr<std::string> ReadText(const fs::path& path) {
-  std::error_code error;
-  const auto type = fs::status(path, error).type();
-  if (error && type != fs::file_type::not_found) return CannotReadSet(path, error.message());
-  if (type == fs::file_type::not_found) {
-    return absl::NotFoundError(
-        absl::StrCat(path.string(), " does not exist; name the folder of a capture set"));
-  }
-  const std::uintmax_t size = fs::file_size(path, error);  // fails for a folder
-  std::ifstream in(path, std::ios::binary);
-  if (!error && !in.is_open()) return CannotReadSet(path, std::generic_category().message(errno));
-  std::string text(error ? 0 : static_cast<std::size_t>(size), '\0');
-  if (error || !in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path.string(), " is not a readable file; write the capture set again"));
-  }
-  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
-  return text;
-}
+constexpr std::size_t kMaxSetBytes = 256 << 20;  // about 500,000 captures
 
 // " at line 3, column 7", or empty when it is unknown. The parser's message ends with
 // the text around the place and a line with a caret under it.
@@ -101,7 +74,13 @@ absl::Status CheckSplitWords(const std::string& text) {
 
 absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const fs::path& folder) {
   const fs::path path = folder / kCaptureSetFile;
-  ASSIGN_OR_RETURN(std::string text, ReadText(path));
+  const absl::StatusOr<std::string> read = ReadTextFile(path, kMaxSetBytes);
+  if (absl::IsNotFound(read.status())) {
+    return absl::NotFoundError(
+        absl::StrCat(path.string(), " does not exist; name the folder of a capture set"));
+  }
+  if (!read.ok()) return read.status();
+  const std::string& text = *read;
   google::protobuf::util::JsonParseOptions options;
   options.ignore_unknown_fields = true;
   v1::CaptureSet set;

@@ -9,22 +9,21 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "files/base/atomic_file.h"
 #include "files/messages/scan_message.h"
+#include "program/text/read_file.h"
 
 namespace graspdb::files {
 namespace {
 
-constexpr std::uint32_t kLongestSide = 8192;  // pixels; more than any depth camera has
+constexpr std::uint32_t kLongestSide = 8192;     // pixels; more than any depth camera has
+constexpr std::size_t kMaxPngBytes = 256 << 20;  // of 128 MiB of pixels
 constexpr int kSignatureBytes = 8;
 constexpr std::size_t kPixelBytes = 2;
 static_assert(std::endian::native == std::endian::little, "counts are little-endian");
@@ -174,22 +173,11 @@ absl::Status KeepMeasurements(const std::filesystem::path& path, const DepthPngC
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> ReadBytes(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    return absl::NotFoundError(absl::StrCat(path.string(), " does not exist; check the path"));
-  }
-  std::ifstream in(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(in)), {});
-  if (!in) return Bad(path, "cannot be read; check its permissions");
-  return bytes;
-}
-
 }  // namespace
 
 absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,
                                             const DepthPngCamera& camera) {
-  ASSIGN_OR_RETURN(const std::string bytes, ReadBytes(path));
+  ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path, kMaxPngBytes));
   PngFile file;
   file.unread = bytes;
   if (bytes.size() < kSignatureBytes ||

@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
-#include <system_error>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -20,7 +17,7 @@
 #include "files/depth/depth_png.h"
 #include "files/depth/depth_unit.h"
 #include "program/text/json_keys.h"
-#include "program/text/text_encoding.h"
+#include "program/text/read_file.h"
 
 namespace graspdb::files {
 namespace {
@@ -160,20 +157,16 @@ absl::StatusOr<DepthPngCamera> CameraFrom(const std::string& text) {
 }  // namespace
 
 absl::StatusOr<DepthPngCamera> ReadIntrinsics(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
+  absl::StatusOr<std::string> text = ReadTextFile(path, kMaxSidecarBytes);
+  if (absl::IsNotFound(text.status())) {
     return absl::NotFoundError(absl::StrCat(
         path.string(),
         " does not exist; write width, height, fx, fy, cx, cy (pixels) and depthUnitM of the "
         "camera into it, as JSON, or copy the camera.json of a BOP dataset or the "
         "camera_intrinsic.json of Open3D"));
   }
-  std::ifstream in(path, std::ios::binary);
-  std::string text(kMaxSidecarBytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
-  absl::StatusOr<DepthPngCamera> camera = CameraFrom(text);
+  if (!text.ok()) return text.status();
+  absl::StatusOr<DepthPngCamera> camera = CameraFrom(*text);
   if (camera.ok()) return camera;
   const absl::string_view what = camera.status().message();
   return absl::InvalidArgumentError(absl::StrCat(

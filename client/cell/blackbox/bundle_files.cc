@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string_view>
 #include <system_error>
@@ -18,6 +16,7 @@
 #include "absl/strings/str_format.h"
 #include "base/status_macros.h"
 #include "files/base/atomic_file.h"
+#include "program/text/read_file.h"
 
 namespace graspdb::client {
 namespace {
@@ -26,7 +25,7 @@ constexpr char kBundleSuffix[] = ".bundle";
 constexpr std::string_view kBundleMagic = "GBB";
 constexpr char kVersion = 1;
 constexpr std::size_t kBundleHeaderBytes = 4;
-constexpr std::uintmax_t kMaxBundleBytes = std::numeric_limits<int>::max();  // of a message
+constexpr std::size_t kMaxBundleBytes = std::numeric_limits<int>::max();  // of a message
 
 absl::Status NoBundle(const std::filesystem::path& path) {
   return absl::DataLossError(path.string() + " is not a bundle, or truncated; leave it out");
@@ -65,14 +64,7 @@ absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle) {
 }
 
 absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::uintmax_t length = std::filesystem::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file) {
-    return absl::NotFoundError("cannot read " + path.string() + "; is it there?");
-  }
-  if (length > kMaxBundleBytes) return NoBundle(path);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path, kMaxBundleBytes));
   if (bytes.size() < kBundleHeaderBytes || !bytes.starts_with(kBundleMagic)) return NoBundle(path);
   if (bytes[kBundleMagic.size()] != kVersion) {
     return absl::FailedPreconditionError(path.string() +

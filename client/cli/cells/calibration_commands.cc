@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -21,7 +20,7 @@
 #include "files/base/json_object.h"
 #include "files/messages/pose_message.h"
 #include "files/points/point_file.h"
-#include "program/text/text_encoding.h"
+#include "program/text/read_file.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {
@@ -31,6 +30,7 @@ using recognition::kDegreesPerRadian;
 using recognition::kMmPerM;
 using recognition::Pose;
 
+constexpr std::size_t kMaxPosesBytes = 16 << 20;  // 100,000 lines
 constexpr int kTableFrames = 5;
 constexpr absl::Duration kSensorTimeout = absl::Seconds(10);
 
@@ -78,10 +78,7 @@ struct PosedFrame {
 };
 
 absl::StatusOr<std::vector<PosedFrame>> ReadPoses(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
-  std::string text(std::istreambuf_iterator<char>(file), {});
-  RETURN_IF_ERROR(TakeUtf8(path, &text));
+  ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path, kMaxPosesBytes));
   std::istringstream lines(text);
   std::vector<PosedFrame> out;
   std::string line;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -17,12 +15,13 @@
 #include "files/messages/pose_message.h"
 #include "program/text/json_keys.h"
 #include "program/text/printable_text.h"
-#include "program/text/text_encoding.h"
+#include "program/text/read_file.h"
 #include "recognition/base/units.h"
 
 namespace graspdb::client {
 namespace {
 
+constexpr std::size_t kMaxCellBytes = 1 << 20;  // a cell has about a kilobyte
 // Cameras, robots, regions and workspaces of a cell are nearer to the table and smaller, m.
 constexpr double kFarthestInCellM = 20;
 // A camera on the flange is nearer to it, m.
@@ -105,10 +104,7 @@ void SetBox(const std::vector<double>& values, v1::AxisAlignedBox* out) {
 }
 
 absl::Status ReadCell(const std::string& path, v1::Cell* cell) {
-  std::ifstream file(path);
-  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, "; check the path"));
-  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  RETURN_IF_ERROR(TakeUtf8(path, &text));
+  ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path, kMaxCellBytes));
   const auto status = google::protobuf::util::JsonStringToMessage(text, cell);
   if (status.ok()) {
     const absl::Status keys = CheckJsonKeys(text);

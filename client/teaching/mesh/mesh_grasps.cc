@@ -3,8 +3,6 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
-#include <fstream>
-#include <system_error>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -14,7 +12,7 @@
 #include "files/capture_sets/capture_check.h"
 #include "files/messages/pose_message.h"
 #include "program/text/json_keys.h"
-#include "program/text/text_encoding.h"
+#include "program/text/read_file.h"
 
 namespace graspdb::client {
 namespace {
@@ -28,28 +26,10 @@ absl::Status Bad(const fs::path& path, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat(path.string(), what));
 }
 
-absl::StatusOr<std::string> ReadText(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) {
-    return absl::NotFoundError(absl::StrCat(path.string(), " does not exist; name a JSON file"));
-  }
-  const std::uintmax_t size = fs::file_size(path, error);  // fails for a folder
-  if (!error && size > kMaxGraspsFileBytes) {
-    return Bad(path, " is larger than 1 MiB; a stable pose has at most 64 grasps, leave some out");
-  }
-  std::ifstream in(path, std::ios::binary);
-  std::string text(error ? 0 : static_cast<std::size_t>(size), '\0');
-  if (error || !in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
-    return Bad(path, " is not a readable file; name a JSON file");
-  }
-  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
-  return text;
-}
-
 }  // namespace
 
 absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const fs::path& path) {
-  ASSIGN_OR_RETURN(const std::string text, ReadText(path));
+  ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path, kMaxGraspsFileBytes));
   v1::CapturedStablePose read;
   const auto parsed = google::protobuf::util::JsonStringToMessage(text, &read);
   if (!parsed.ok()) {

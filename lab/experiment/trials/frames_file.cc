@@ -5,8 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <system_error>
 #include <utility>
@@ -15,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "base/status_macros.h"
 #include "program/text/json_keys.h"
-#include "program/text/text_encoding.h"
+#include "program/text/read_file.h"
 #include "rendering/mesh_part.h"
 
 namespace graspdb::lab {
@@ -26,7 +24,7 @@ using google::protobuf::Value;
 
 constexpr char kFile[] = "frames.json";
 // Maximum file size, bytes.
-constexpr std::uintmax_t kLargest = 64U << 20U;
+constexpr std::size_t kLargest = 64U << 20U;
 // Maximum deviation of a rotation's rows from unit length and right angles.
 constexpr double kRotationTolerance = 1e-3;
 // Beyond it no depth camera sees an object, m.
@@ -139,13 +137,7 @@ absl::StatusOr<std::vector<RealFrame>> LoadFrames(const std::filesystem::path& f
   if (!HasFrames(folder)) {
     return absl::NotFoundError(absl::StrCat("there is no file ", path.string()));
   }
-  std::error_code error;
-  if (std::filesystem::file_size(path, error) > kLargest || error) {
-    return absl::InvalidArgumentError(absl::StrCat(path.string(), " is larger than 64 MiB"));
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  RETURN_IF_ERROR(TakeUtf8(path.string(), &text));
+  ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path, kLargest));
   auto frames = ParseFrames(text, folder);
   if (frames.ok()) return frames;
   return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", frames.status().message()));
