@@ -160,10 +160,11 @@ void AddEvalCommand(CLI::App& app, client::Action* action) {
   command->add_flag("--list", arguments->list, "Also list the objects and the wrong answers");
   command->add_option(
       "--out", arguments->out,
-      "Folder for a report: report.html, cases.md for documents, report.json and poses "
-      "in the format of the BOP challenge; updated after every case. For frames of real "
-      "cameras: report.json, stages.md with the steps that lost the true poses, such poses and a "
-      "picture of each frame with its right, wrong and lost objects");
+      "Folder for a report: report.json, after every case, and from it at the end report.html, "
+      "cases.md for documents and poses in the format of the BOP challenge (graspdb-eval-report "
+      "makes them, also after an interruption). For frames of real cameras: report.json, stages.md "
+      "with the steps that lost the true poses, such poses and a picture of each frame with its "
+      "right, wrong and lost objects");
   command->callback([command, arguments, action] {
     arguments->command = CommandText(*command);
     *action = [arguments] { return RunEval(*arguments); };

@@ -1,11 +1,6 @@
 #include "lab/commands/eval_run.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -26,30 +21,6 @@
 
 namespace graspdb::lab {
 namespace {
-
-constexpr char kProgram[] = "graspdb-eval-report";
-
-// Runs graspdb-eval-report, which is beside this program, on the folder of a ReportWriter and waits
-// for it. UNAVAILABLE, with the command for later, where it does not start or fails, e.g. since
-// matplotlib is not installed.
-absl::Status MakeReportPage(const std::filesystem::path& folder) {
-  std::error_code unknown;  // the program is then not found
-  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  std::string program = here.parent_path() / kProgram;
-  std::string argument = folder.string();
-  const std::array<char*, 3> arguments = {program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  int status = 0;
-  if (posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ) == 0 &&
-      waitpid(child, &status, 0) == child && status == 0) {
-    return absl::OkStatus();
-  }
-  return absl::UnavailableError(
-      absl::StrCat(kProgram,
-                   " made no report.html; install python3-matplotlib if it is missing, "
-                   "then run: ",
-                   kProgram, " ", folder.string()));
-}
 
 // The case that descriptors are compared on.
 constexpr char kDescriptorCase[] = "paper";

@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "base/status_macros.h"
 #include "client/cli/base/progress_line.h"
 #include "lab/commands/eval_run.h"
-#include "lab/experiment/report/case_figures.h"
+#include "lab/experiment/report/report_json.h"
 #include "lab/experiment/report/report_writer.h"
 #include "lab/experiment/trials/composites.h"
 #include "recognition/verification/visibility.h"
@@ -201,17 +202,24 @@ absl::Status WritePicture(const EvalArguments& arguments, const FrameResult& res
                                       DrawFrame(result, points));
 }
 
+// As Markdown.
+void PrintTable(std::vector<std::vector<std::string>> table) {
+  std::vector<std::string> rule(table.front().size(), "---:");
+  rule.front() = "---";
+  table.insert(table.begin() + 1, rule);
+  for (const auto& row : table) std::cout << "| " << absl::StrJoin(row, " | ") << " |\n";
+}
+
 absl::Status WriteReport(const EvalArguments& arguments, const FramesCatalogue& catalogue,
                          const std::vector<FrameResult>& results) {
   if (arguments.out.empty()) return absl::OkStatus();
   const std::filesystem::path folder(arguments.out);
-  absl::Status written =
-      WriteFramesReport(folder, arguments.command, catalogue.object_ids(), results);
-  if (written.ok()) {
-    std::cout << "report: " << (folder / "report.json").string()
-              << ", with stages, BOP results and a picture of each frame beside it\n";
-  }
-  return written;
+  RETURN_IF_ERROR(WriteFramesReport(folder, arguments.command, catalogue.object_ids(), results));
+  std::cout << "report: " << (folder / "report.json").string()
+            << ", with a picture of each frame beside it\n";
+  const absl::Status made = MakeReportPage(folder);
+  if (!made.ok()) std::cerr << "graspdb: " << made.message() << "\n";
+  return absl::OkStatus();
 }
 
 // Calls `recognize` with the frame, or with `composited` scenes that are rendered into it. Errors
@@ -266,7 +274,7 @@ absl::Status RunFrames(const EvalArguments& arguments) {
   }
   if (results.empty()) return absl::InvalidArgumentError("no frame shows a table to render onto");
   PrintSums(results);
-  std::cout << TableMarkdown(StageTable(results));
+  PrintTable(StageTable(results));
   return WriteReport(arguments, **catalogue, results);
 }
 

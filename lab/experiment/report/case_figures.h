@@ -1,11 +1,10 @@
-// Figures of a case, object by object, and their tables for documents.
+// Figures of a case, object by object.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "lab/experiment/descriptor_comparison.h"
 #include "lab/experiment/experiment.h"
 
 namespace graspdb::lab {
@@ -45,25 +44,5 @@ struct TimeFigures {
   double longest_ms = 0;
 };
 TimeFigures TimesOf(const CaseResult& result);
-
-// A case in the table of cases.
-struct CaseRow {
-  std::string name;
-  CaseSummary summary;
-  TimeFigures times;
-};
-CaseRow RowOf(const CaseResult& result);
-
-// The cells of the table of cases, first the headings, as they are shown; units and per cent signs
-// are in the headings. "–": the case has no such queries.
-std::vector<std::vector<std::string>> CaseTable(const std::vector<CaseRow>& rows);
-
-// The same of descriptors and distances: how often the nearest of the object's own views was taken
-// from a side more than 15 degrees off, and how often the nearest of all is another object's.
-std::vector<std::vector<std::string>> DescriptorTable(
-    const std::vector<DescriptorFigures>& figures);
-
-// A table with its headings as GitHub Markdown.
-std::string TableMarkdown(const std::vector<std::vector<std::string>>& table);
 
 }  // namespace graspdb::lab

@@ -1,5 +1,9 @@
 #include "lab/experiment/report/report_json.h"
 
+#include <algorithm>
+#include <functional>
+
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -150,6 +154,18 @@ void FillEvidence(const recognition::Evidence& evidence,
            files::Json("little", features.little));
 }
 
+// As the BOP challenge takes it: row by row, and in millimetres.
+void FillPose(const recognition::Pose& pose, files::JsonObject out) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = pose.linear();
+  const Eigen::Vector3d translation = pose.translation() * 1e3;
+  out.Set(files::Json("rotation", rotation.reshaped<Eigen::RowMajor>()),
+          files::Json("translation_mm", translation));
+}
+
+void FillPart(const rendering::Workpiece& part, files::JsonObject out) {
+  out.Set(files::Json("object", part.object_id), files::Json("stable_pose", part.stable_pose_id));
+}
+
 void FillAnswer(const Answer& a, const PartSet& set, files::JsonObject out) {
   const rendering::Workpiece& part = set.parts[a.part];
   out.Set(files::Json("scene", a.scene), files::Json("object_query", part.object_id),
@@ -163,6 +179,10 @@ void FillAnswer(const Answer& a, const PartSet& set, files::JsonObject out) {
           files::Json("score", a.score), files::Json("voxels", a.voxels),
           files::Json("ms", a.milliseconds));
   if (!a.file.empty()) out.Set(files::Json("file", a.file));
+  if (const auto found = PartOfFound(a, set)) {
+    out.Set(files::Json("part_answered", *found + 1));
+    FillPose(a.world_sensor.inverse() * a.found, out.Object("camera_object"));
+  }
   FillEvidence(a.evidence, a.features, out.Object("evidence"));
   // Null without a pose error.
   const double shown = a.known && a.posed && a.object_right ? 1 : std::nan("");
@@ -189,6 +209,7 @@ void FillDetection(const FrameDetection& detection, files::JsonObject out) {
           files::Json("pose_unknown", detection.pose_unknown),
           files::Json("again", detection.again), files::Json("add_s_share", detection.add_s_share),
           files::Json("voxels", detection.voxels));
+  FillPose(detection.sensor_mesh, out.Object("camera_mesh"));
   FillEvidence(detection.evidence, detection.features, out.Object("evidence"));
 }
 
@@ -207,7 +228,46 @@ void FillDescriptor(const DescriptorFigures& f, files::JsonObject out) {
   for (const auto& [object, share] : f.false_recognition) objects.Set(files::Json(object, share));
 }
 
+constexpr char kSeparated[] = "separated";
+
+using StageOf = std::function<PoseStage(const FrameInstance&)>;
+using IsCounted = std::function<bool(const FrameResult&)>;
+
+std::string CountOf(const std::vector<FrameResult>& results, PoseStage reached,
+                    const IsCounted& is_counted, const StageOf& stage_of) {
+  std::ptrdiff_t count = 0;
+  for (const FrameResult& result : results) {
+    if (!is_counted(result)) continue;
+    count += std::ranges::count_if(result.instances,
+                                   [&](const FrameInstance& i) { return stage_of(i) >= reached; });
+  }
+  return absl::StrCat(count);
+}
+
 }  // namespace
+
+std::vector<std::vector<std::string>> StageTable(const std::vector<FrameResult>& results) {
+  const auto separated = [](const FrameResult& r) {
+    return absl::StrContains(r.frame->arrangement, kSeparated);
+  };
+  const auto other = [&](const FrameResult& r) { return !separated(r); };
+  const auto all = [](const FrameResult&) { return true; };
+  std::vector<std::vector<std::string>> table = {
+      {"true poses", kSeparated, "other", "all", "by segments", "in the image"}};
+  for (const PoseStage stage : kPoseStages) {
+    const auto count = [&](const IsCounted& is_counted, const StageOf& stage_of) {
+      return CountOf(results, stage, is_counted, stage_of);
+    };
+    const auto stage_of = &FrameInstance::stage;
+    // Either source alone comes as far as the best of an object.
+    const bool of_both = stage == PoseStage::kNone || stage == PoseStage::kAccepted;
+    table.push_back({stage == PoseStage::kNone ? "all" : TextOf(stage), count(separated, stage_of),
+                     count(other, stage_of), count(all, stage_of),
+                     of_both ? "" : count(all, &FrameInstance::by_segments),
+                     of_both ? "" : count(all, &FrameInstance::in_image)});
+  }
+  return table;
+}
 
 Value CaseAsJson(const CaseResult& result) {
   Value value;
@@ -217,6 +277,7 @@ Value CaseAsJson(const CaseResult& result) {
   FillSettings(result, out.Object("settings"));
   FillSummary(Summarize(result), out.Object("summary"));
   FillTime(TimesOf(result), out.Object("time"));
+  out.List("parts", result.set.parts, FillPart);
   out.List("objects", FiguresByObject(result), FillObject);
   out.List("answers", result.answers, [&](const Answer& answer, files::JsonObject object) {
     FillAnswer(answer, result.set, object);
@@ -237,10 +298,12 @@ absl::StatusOr<std::string> ReportJson(const std::string& command,
 }
 
 absl::StatusOr<std::string> FramesJson(const std::string& command,
+                                       const std::vector<std::string>& object_ids,
                                        const std::vector<FrameResult>& results) {
   google::protobuf::Struct document;
   files::JsonObject out(&document);
-  out.Set(files::Json("command", command));
+  out.Set(files::Json("command", command), files::Json("objects", object_ids),
+          files::Json("stages", StageTable(results)));
   out.List("frames", results, FillFrame);
   return files::PrintDocument(document, files::JsonLayout::kIndented);
 }

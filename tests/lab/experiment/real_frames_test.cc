@@ -11,6 +11,7 @@
 #include "lab/experiment/report/report_json.h"
 #include "lab/experiment/report/report_writer.h"
 #include "lab/experiment/trials/trial.h"
+#include "program/text/read_file.h"
 #include "rendering/meshes/mesh_file.h"
 #include "rendering/sample_parts.h"
 #include "tests/files/temporary_folder.h"
@@ -96,7 +97,7 @@ TEST_F(RealFramesTest, FindsAnObjectAtItsTruePose) {
   const Pose& sensor_mesh = *result->frame->objects[0].sensor_mesh;
   EXPECT_LT((result->detections[0].sensor_mesh.inverse() * sensor_mesh).translation().norm(),
             0.005);
-  const auto json = FramesJson("graspdb eval", {*result});
+  const auto json = FramesJson("graspdb eval", {"l-bracket"}, {*result});
   ASSERT_THAT(json, IsOk());
   for (const char* text :
        {"\"right\": true", "\"found\": true", "\"confirmed\": ", "\"features\": {"}) {
@@ -126,24 +127,21 @@ TEST_F(RealFramesTest, AnObjectThatIsNotInTheFrameIsWrongWithoutAPoseError) {
   ASSERT_THAT(result, IsOk());
   ASSERT_EQ(result->detections.size(), 1U);
   EXPECT_TRUE(result->detections[0].IsWrong());
-  const auto json = FramesJson("graspdb eval", {*result});
+  const auto json = FramesJson("graspdb eval", {"l-bracket"}, {*result});
   ASSERT_THAT(json, IsOk());
   EXPECT_THAT(*json, HasSubstr("\"add_s_share\": null"));
 }
 
-TEST_F(RealFramesTest, AReportHasFiguresStagesAndBopResults) {
+TEST_F(RealFramesTest, AReportHasFiguresStagesAndPoses) {
   WriteFrame("l-bracket", Pose::Identity());
   const auto result = Recognize();
   ASSERT_THAT(result, IsOk());
   ASSERT_THAT(WriteFramesReport(folder_.path(), "graspdb eval", {"l-bracket"}, {*result}), IsOk());
-  const auto text_of = [&](const std::string& name) {
-    std::ifstream file(folder_.path() / name);
-    return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  };
-  EXPECT_THAT(text_of("report.json"), HasSubstr("\"stage\": \"accepted\""));
-  EXPECT_THAT(text_of("stages.md"), HasSubstr("| accepted | 0 | 1 | 1 |"));
-  EXPECT_THAT(text_of("graspdb_frames-test.csv"), HasSubstr("\n1,0,1,"));
-  EXPECT_THAT(text_of("bop_objects.csv"), HasSubstr("\nframes,1,l-bracket,"));
+  const auto text = ReadFile(folder_.path() / "report.json", 1 << 20);
+  ASSERT_THAT(text, IsOk());
+  for (const char* key : {R"("stage": "accepted")", R"("camera_mesh": {)", R"("objects": [)"}) {
+    EXPECT_THAT(*text, HasSubstr(key));
+  }
 }
 
 TEST_F(RealFramesTest, RejectsAMalformedFileWithTheFrame) {

@@ -1,4 +1,4 @@
-"""eval_report_test.py PROGRAM: graspdb-eval-report on a report that is written by hand."""
+"""eval_report_test.py PROGRAM: graspdb-eval-report on reports that are written by hand."""
 import importlib.machinery
 import importlib.util
 import json
@@ -56,7 +56,7 @@ class Curves(unittest.TestCase):
         self.assertEqual(eval_report.over_score(unposed), eval_report.over_score(ANSWERS))
         without_poses = case()
         without_poses["summary"].update(posed=0, pose_right=0, strictly_right=0)
-        self.assertIn("<td>5</td><td>50.0</td><td>–</td><td>–</td>", eval_report.case_table([without_poses]))
+        self.assertEqual(eval_report.case_rows([without_poses])[1][1:5], [5, "50.0", "–", "–"])
 
     def test_precision_grows_and_recall_falls_with_the_minimum_score(self):
         precision, recall = eval_report.over_score(ANSWERS)
@@ -71,15 +71,69 @@ class Curves(unittest.TestCase):
         self.assertEqual(eval_report.confusions(ANSWERS)["can", ""], 1)
 
 
-class Page(unittest.TestCase):
-    def page(self, report):
+def made(report):
+    """The files that the program makes of a report, with their texts; of figures the names."""
+    with tempfile.TemporaryDirectory() as folder:
+        with open(os.path.join(folder, "report.json"), "w", encoding="utf-8") as file:
+            json.dump(report, file)
+        subprocess.run([PROGRAM, folder], check=True)
+        out = {}
+        for name in os.listdir(folder):
+            if os.path.isdir(os.path.join(folder, name)):
+                out[name] = sorted(os.listdir(os.path.join(folder, name)))
+                continue
+            with open(os.path.join(folder, name), encoding="utf-8", newline="") as file:
+                out[name] = file.read()
+        return out
+
+
+POSE = {"rotation": [0, -1, 0, -1, 0, 0, 0, 0, -1], "translation_mm": [100, -200, 950.0000000004]}
+
+
+class Tables(unittest.TestCase):
+    def test_answered_poses_are_in_the_format_of_bop(self):
+        answered = dict(ANSWERS[0], scene=7, ms=40, part_answered=2, camera_object=POSE)
+        parts = [{"object": "cup, small", "stable_pose": "p"}, {"object": "can", "stable_pose": "q"}]
+        files = made({"command": "", "cases": [dict(case(answers=[answered, dict(ANSWERS[3], ms=40)]), parts=parts)]})
+        self.assertEqual(files["graspdb_hidden20-test.csv"],
+                         "scene_id,im_id,obj_id,score,R,t,time\n1,7,2,0.95,0 -1 0 -1 0 0 0 0 -1,100 -200 950,0.040000\n")
+        self.assertEqual(files["bop_objects.csv"],
+                         'case,obj_id,object,stable_pose\nhidden-20,1,"cup, small",p\nhidden-20,2,can,q\n')
+
+    def test_frames_have_poses_of_the_mesh_and_stages(self):
+        detection = {"object": "nut", "score": 0.75, "camera_mesh": POSE}
+        frames = [{"ms": 30, "detections": []}, {"ms": 40, "detections": [detection]}]
+        files = made({"command": "", "objects": ["bolt", "nut"], "frames": frames, "stages": [["true poses", "all"], ["kept", "1"]]})
+        self.assertTrue(files["graspdb_frames-test.csv"].endswith("\n1,1,2,0.75,0 -1 0 -1 0 0 0 0 -1,100 -200 950,0.040000\n"))
+        self.assertEqual(files["bop_objects.csv"], "case,obj_id,object,stable_pose\nframes,1,bolt,\nframes,2,nut,\n")
+        self.assertEqual(files["stages.md"], "| true poses | all |\n| --- | ---: |\n| kept | 1 |\n")
+        self.assertNotIn("report.html", files)
+
+    def test_cases_and_descriptors_are_tables_of_markdown(self):
+        descriptors = [{"descriptor": d, "distance": "L1", "query_count": 96, "object_wrong": 0.125,
+                        "false_recognition": {"cup": 0.5, "can": 0.25}} for d in ("vfh263", "mvfh300")]
+        files = made({"command": "", "descriptors": descriptors, "cases": [case("a|b")]})
+        self.assertIn("\n| a\\|b | 5 | 50.0 |", files["cases.md"])
+        self.assertEqual(files["descriptors.md"].splitlines()[2:], ["| vfh263 | 37.50 / 12.50 |", "| mvfh300 | 37.50 / 12.50 |"])
+
+    def test_without_matplotlib_there_are_tables(self):
         with tempfile.TemporaryDirectory() as folder:
             with open(os.path.join(folder, "report.json"), "w", encoding="utf-8") as file:
-                json.dump(report, file)
-            subprocess.run([PROGRAM, folder], check=True)
-            self.figures = sorted(os.listdir(os.path.join(folder, "figures")))
-            with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
-                return file.read()
+                json.dump({"command": "", "cases": [case()]}, file)
+            with open(os.path.join(folder, "matplotlib.py"), "w", encoding="utf-8") as file:
+                file.write("raise ImportError('no matplotlib')")
+            run = subprocess.run([PROGRAM, folder], capture_output=True, text=True, check=False,
+                                 env=dict(os.environ, PYTHONPATH=folder))
+            self.assertEqual(run.returncode, 1)
+            self.assertIn("install python3-matplotlib", run.stderr)
+            self.assertTrue(os.path.exists(os.path.join(folder, "cases.md")))
+
+
+class Page(unittest.TestCase):
+    def page(self, report):
+        files = made(report)
+        self.figures = files["figures"]
+        return files["report.html"]
 
     def test_shows_cases_and_descriptors_and_is_the_same_each_time(self):
         descriptor = {"descriptor": "MVFH-300", "distance": "L1", "query_count": 96, "object_wrong": 0.125,

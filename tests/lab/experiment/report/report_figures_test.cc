@@ -1,57 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "absl/strings/str_replace.h"
-#include "absl/strings/str_split.h"
 #include "lab/experiment/experiment.h"
 #include "lab/experiment/report/case_figures.h"
-#include "lab/experiment/report/report_writer.h"
+#include "lab/experiment/report/report_json.h"
 #include "tests/lab/experiment/hand_made_case.h"
 
 namespace graspdb::lab {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::SizeIs;
-using ::testing::StartsWith;
-
-TEST(BopCsv, PrintsPosesInTheCameraFrameInMillimetres) {
-  CaseResult result{.experiment = {.name = "anywhere"}, .set = HandMadeParts()};
-  Answer answer = RightAnswer(result.set, 1, 7);
-  answer.world_sensor.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
-  answer.world_sensor.translation() = Eigen::Vector3d(0, 0, 1);
-  answer.found.translation() = Eigen::Vector3d(0.1, 0.2, 0.05);
-  answer.found.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // a quarter turn about z
-  result.answers = {answer};
-  const std::vector<std::string> lines = absl::StrSplit(BopCsv(result), '\n');
-  ASSERT_THAT(lines, SizeIs(3));  // and what follows the last line's end
-  EXPECT_EQ(lines[0], "scene_id,im_id,obj_id,score,R,t,time");
-  // In the camera y and z are turned over: x stays, y = -0.2 m, z = 1 - 0.05 m.
-  EXPECT_EQ(absl::StrReplaceAll(lines[1], {{"-0 ", "0 "}, {"-0,", "0,"}}),
-            "1,7,2,0.95,0 -1 0 -1 0 0 0 0 -1,100 -200 950,0.040000");
-  EXPECT_EQ(BopFileName(result.experiment.name), "graspdb_anywhere-test.csv");
-}
-
-TEST(BopCsv, NamesWhatWasAnsweredAndLeavesOutWhatWasNot) {
-  const CaseResult result = HandMade();
-  const std::vector<std::string> lines = absl::StrSplit(BopCsv(result), '\n');
-  ASSERT_THAT(lines, SizeIs(5));
-  EXPECT_THAT(lines[3],
-              StartsWith("1,2,2,0.62,"));  // the answer, not the query
-  EXPECT_EQ(BopFileName(result.experiment.name), "graspdb_hidden20-test.csv");
-}
-
-TEST(BopCsv, OfFramesHasTheMeshInTheCameraFrame) {
-  FrameDetection found{.object = "nut", .score = 0.75};
-  found.sensor_mesh.translation() = Eigen::Vector3d(0.1, 0, 0.8);
-  FrameResult frame{.milliseconds = 40};
-  frame.detections = {found};
-  const std::vector<std::string> objects = {"bolt", "nut"};
-  EXPECT_EQ(BopCsv({FrameResult(), frame}, objects),
-            "scene_id,im_id,obj_id,score,R,t,time\n"
-            "1,1,2,0.75,1 0 0 0 1 0 0 0 1,100 0 800,0.040000\n");
-  EXPECT_EQ(BopObjects(objects), "case,obj_id,object,stable_pose\nframes,1,bolt,\nframes,2,nut,\n");
-}
 
 // Everything that reached a stage has passed those before.
 TEST(StageTable, CountsTruePosesByStageAndArrangement) {
