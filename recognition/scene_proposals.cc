@@ -23,7 +23,7 @@ constexpr float kSmallestCellM = 0.004F;
 constexpr float kCellRatio = 1.5F;
 // Proposals compete for a place where their centres are nearer than this, and are poses of one
 // object there where they are nearer than that; shares of the larger diameter.
-constexpr float kSamePlaceShare = 0.35F;
+constexpr float kRivalShare = 0.35F;
 constexpr float kSamePoseShare = 0.05F;
 
 absl::Status CheckNotCancelled(const SceneInput& input) {
@@ -262,7 +262,7 @@ float LeadOf(std::size_t i, const std::vector<SceneProposal>& proposals,
     const PairModel& other = *proposals[j].model;
     const float distance = (aligned[j].pose->sensor_model * other.center - center).norm();
     const float diameter = std::max(model.diameter_m, other.diameter_m);
-    if (distance > kSamePlaceShare * diameter) continue;
+    if (distance > kRivalShare * diameter) continue;
     if (&model == &other && distance < kSamePoseShare * diameter) continue;
     rival = std::max(rival, aligned[j].log_odds);
   }

@@ -24,21 +24,23 @@ inline IsCancelled Latched(const IsCancelled& is_cancelled) {
   };
 }
 
-// Counts the steps of a loop and polls IsCancelled every kInterval of them. Not thread-safe; the
+// Counts what a loop has done and polls IsCancelled about once a millisecond. Not thread-safe; the
 // function must outlive it.
 class CancellationPoll {
  public:
   explicit CancellationPoll(const IsCancelled& is_cancelled) : is_cancelled_(is_cancelled) {}
 
-  // Adds `steps` of about a nanosecond each; true when the loop should end.
-  bool After(std::size_t steps) {
-    steps_ += steps;
-    return steps_ < kInterval ? cancelled_ : Now();
+  // Adds distances between points, of a nanosecond each. True when the loop should end.
+  bool AfterDistances(std::size_t count) {
+    work_ += count;
+    return work_ < kInterval ? cancelled_ : Now();
   }
+  // Adds points or cells, of about 100 ns each.
+  bool AfterPoints(std::size_t count = 1) { return AfterDistances(100 * count); }
   // Polls now.
   bool Now() {
     if (cancelled_) return true;
-    steps_ = 0;
+    work_ = 0;
     cancelled_ = is_cancelled_ && is_cancelled_();
     return cancelled_;
   }
@@ -48,7 +50,7 @@ class CancellationPoll {
   static constexpr std::size_t kInterval = 1'000'000;
 
   const IsCancelled& is_cancelled_;
-  std::size_t steps_ = 0;
+  std::size_t work_ = 0;
   bool cancelled_ = false;
 };
 

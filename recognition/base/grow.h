@@ -15,10 +15,9 @@ namespace graspdb::recognition {
 template <typename T>
 bool GrowTo(std::size_t size, CancellationPoll* poll, std::vector<T>* out) {
   constexpr std::size_t kBlock = std::size_t{64} * 1024 / sizeof(T);
-  constexpr std::size_t kBlockNs = 160'000;
   out->reserve(size);
   while (out->size() < size) {
-    if (poll->After(kBlockNs)) return false;
+    if (poll->AfterPoints(kBlock)) return false;
     out->resize(std::min(size, out->size() + kBlock));
   }
   return true;

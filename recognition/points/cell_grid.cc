@@ -14,9 +14,6 @@ namespace {
 constexpr double kMaxTable = 4e6;
 // With this many along each axis, keys fit 63 bits; 1 km in cells of 1 mm has half as many.
 constexpr double kMaxCellsPerAxis = 2e6;
-// Time to sort a point into its cell, and to list a cell in new memory, ns.
-constexpr std::size_t kStepsPerPoint = 20;
-constexpr std::size_t kStepsPerCell = 100;
 
 }  // namespace
 
@@ -47,7 +44,7 @@ bool CellGrid::Fill(const Points& points, const IsCancelled& is_cancelled) {
     std::vector<float>& sorted = sorted_[axis];
     sorted.reserve(points.size());
     for (const std::int32_t i : order_) {
-      if (poll.After(kStepsPerPoint)) return false;
+      if (poll.AfterPoints()) return false;
       sorted.push_back(points[static_cast<std::size_t>(i)][static_cast<Eigen::Index>(axis)]);
     }
   }
@@ -59,7 +56,7 @@ bool CellGrid::MakeTable(const Points& points, std::size_t cell_count, Cancellat
   std::vector<std::uint32_t> cell_of;
   cell_of.reserve(points.size());
   for (const Eigen::Vector3f& p : points) {
-    if (poll->After(kStepsPerPoint)) return false;
+    if (poll->AfterPoints()) return false;
     const auto cell = static_cast<std::size_t>(KeyOf(CellOf(p)));
     cell_of.push_back(static_cast<std::uint32_t>(cell));
     ++start_[cell + 1];
@@ -68,7 +65,7 @@ bool CellGrid::MakeTable(const Points& points, std::size_t cell_count, Cancellat
   if (poll->Now()) return false;
   // From the back, so that each cell's end moves to its beginning.
   for (std::size_t i = points.size(); i-- > 0;) {
-    if (poll->After(kStepsPerPoint)) return false;
+    if (poll->AfterPoints()) return false;
     order_[static_cast<std::size_t>(--start_[cell_of[i] + 1])] = static_cast<std::int32_t>(i);
   }
   // start_[c + 1] is now where cell c begins.
@@ -82,12 +79,12 @@ bool CellGrid::MakeList(const Points& points, const IsCancelled& is_cancelled,
   std::vector<KeyedPoint> sorted;
   sorted.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (poll->After(kStepsPerPoint)) return false;
+    if (poll->AfterPoints()) return false;
     sorted.push_back({KeyOf(CellOf(points[i])), static_cast<std::int32_t>(i)});
   }
   SortByKey(KeyOf(last_), &sorted, is_cancelled);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    if (poll->After(kStepsPerPoint)) return false;
+    if (poll->AfterPoints()) return false;
     order_[i] = sorted[i].point;
     if (i > 0 && sorted[i].key == sorted[i - 1].key) continue;
     keys_.push_back(sorted[i].key);
@@ -120,7 +117,7 @@ std::vector<CellGrid::Cell> CellGrid::OccupiedCells(const IsCancelled& is_cancel
   std::uint64_t row_begin = 0;  // the key of the row's first cell
   const std::uint64_t row = static_cast<std::uint64_t>(last_.x()) + 1;
   for (std::size_t cell = 0; cell + 1 < start_.size(); ++cell) {
-    if (poll.After(kStepsPerCell)) return {};
+    if (poll.AfterPoints()) return {};
     if (start_[cell] == start_[cell + 1]) continue;
     const std::uint64_t key = keys_.empty() ? cell : keys_[cell];
     if (key - row_begin >= row) {

@@ -15,10 +15,6 @@ constexpr std::int32_t kMaxBlocks = 65536;
 // Places in the table of blocks, 4 MB: enough for a cube of 1.5 m in cells of 3 mm.
 constexpr double kMaxBlockTable = 1 << 20;
 constexpr int kMaxBlocksCellsPerAxis = 1 << 20;
-// Time to write the cells around a point, ns.
-constexpr std::size_t kStepsPerStoredPoint = 500;
-// Time to find the blocks that a point meets, or its cell, ns.
-constexpr std::size_t kStepsPerLookUp = 50;
 
 // Maximum number of cells between a point's and one whose centre is within reach.
 int LayersWithin(float reach_m, float cell_m) {
@@ -63,7 +59,7 @@ NearestGrid::Level::Level(const Points& points, float cell_m, float reach_m,
   const std::vector<simd::BallRow> rows = RowsWithin(far * inverse_cell_);
   const simd::Cells all = {table(), cell_m, best.data(), cells_.data()};
   for (const std::int32_t i : OneEachCell(points, poll)) {
-    if (poll.After(kStepsPerStoredPoint)) return;
+    if (poll.AfterPoints()) return;
     const Eigen::Array3f at = Place(points[static_cast<std::size_t>(i)]);
     simd::Best().spread(rows.data(), rows.size(), at.data(), i, all);
   }
@@ -90,7 +86,7 @@ bool NearestGrid::Level::Allocate(const Points& points, float cell_m, float reac
   const auto row = static_cast<std::ptrdiff_t>(block_count_.x());
   const std::ptrdiff_t layer = row * block_count_.y();
   for (const Eigen::Vector3f& p : points) {
-    if (poll.After(kStepsPerLookUp)) {
+    if (poll.AfterPoints()) {
       std::ranges::fill(blocks_, 0);
       return true;
     }
@@ -124,7 +120,7 @@ Indices NearestGrid::Level::OneEachCell(const Points& points, CancellationPoll& 
     return (at - at.floor() - 0.5F).matrix().squaredNorm();
   };
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
-    if (poll.After(kStepsPerLookUp)) break;
+    if (poll.AfterPoints()) break;
     const Eigen::Array3f at = place(i);
     const std::size_t cell = CellOf(at);
     std::int32_t& known = cells_[cell];

@@ -15,10 +15,6 @@ constexpr float kRoundingMargin = 1.001F;
 // Cells per job of a thread; an estimated 0.3 ms.
 constexpr std::size_t kCellsAtOnce = 256;
 
-// Time to gather a cell's neighbours, and to find a point's normal besides, ns.
-constexpr std::size_t kStepsPerGather = 500;
-constexpr std::size_t kStepsPerNormal = 300;
-
 // The direction of least spread about the mean.
 Eigen::Vector3d LeastSpread(const simd::Moments& m) {
   const auto number = [](float v) { return static_cast<double>(v); };
@@ -69,7 +65,7 @@ Normals EstimateNormals(const Points& points, const Eigen::Vector3d& viewpoint, 
     for (std::size_t i = chunk * cells.size() / chunks; i < end; ++i) {
       grid.Gather(cells[i].at, 1, &block);
       const auto members = static_cast<std::size_t>(cells[i].end - cells[i].begin);
-      if (poll.After(kStepsPerGather + members * (kStepsPerNormal + block.x.size()))) break;
+      if (poll.AfterPoints(members + 1) || poll.AfterDistances(members * block.x.size())) break;
       estimate(cells[i], &block);
     }
   });

@@ -14,9 +14,6 @@ namespace {
 
 using Coordinates = Eigen::Array<std::int64_t, 3, 1>;
 
-// Time to find the voxel of a point, or to add the point to it, ns.
-constexpr std::size_t kStepsPerVoxel = 40;
-
 Coordinates VoxelOf(const Eigen::Vector3f& p, double inverse_size) {
   const Eigen::Vector3d at = p.cast<double>() * inverse_size;
   return Coordinates(RoundDown(at.x()), RoundDown(at.y()), RoundDown(at.z()));
@@ -37,7 +34,7 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
   std::vector<KeyedPoint> order;
   if (!GrowTo(points.size(), &poll, &order)) return out;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (poll.After(kStepsPerVoxel)) return out;
+    if (poll.AfterPoints()) return out;
     const Coordinates c = VoxelOf(points[i], inverse_size) - first;
     order[i] = {static_cast<std::uint64_t>((c.z() * size.y() + c.y()) * size.x() + c.x()),
                 static_cast<std::int32_t>(i)};
@@ -53,7 +50,7 @@ VoxelCloud DownsampleToVoxels(const Points& points, double voxel_size_m,
       const auto point = static_cast<std::size_t>(order[end].point);
       sum += points[point].cast<double>();
       out.voxel_of[point] = static_cast<std::int32_t>(out.points.size());
-      if (poll.After(kStepsPerVoxel)) return {};
+      if (poll.AfterPoints()) return {};
     }
     out.points.push_back((sum / static_cast<double>(end - begin)).cast<float>());
     begin = end;

@@ -15,10 +15,7 @@ namespace {
 constexpr double kCellShare = 0.577;
 // Maximum distance along an axis of cells within the tolerance of each other, in cells.
 constexpr int kReach = 2;
-// Approximate cost of visiting the cells around one, in distances.
-constexpr std::size_t kStepsPerCell = 2000;
-// Cost of finding the set of a point.
-constexpr std::size_t kStepsPerPoint = 50;
+constexpr std::size_t kCellsAround = 125;  // within kReach
 // Distances that joining computes in all, about 1 s; a frame of a million voxels takes a tenth.
 constexpr std::size_t kMaxJoinWork = 1'000'000'000;
 
@@ -42,7 +39,7 @@ class DisjointSets {
 bool ComeWithin(const Points& points, std::span<const std::int32_t> a,
                 std::span<const std::int32_t> b, float squared_tolerance, CancellationPoll& poll) {
   for (const std::int32_t i : a) {
-    if (poll.After(b.size())) return false;
+    if (poll.AfterDistances(b.size())) return false;
     const Eigen::Vector3f& p = points[static_cast<std::size_t>(i)];
     for (const std::int32_t j : b) {
       if ((p - points[static_cast<std::size_t>(j)]).squaredNorm() <= squared_tolerance) return true;
@@ -66,14 +63,14 @@ DisjointSets JoinNeighbours(const Points& points, const CellGrid& grid, float sq
   std::vector<std::int32_t> end_of;  // of the group that begins there
   if (!GrowTo(order.size(), &poll, &end_of)) return sets;
   for (const CellGrid::Cell& group : groups) {
-    if (poll.After(kStepsPerPoint * static_cast<std::size_t>(group.end - group.begin))) break;
+    if (poll.AfterPoints(static_cast<std::size_t>(group.end - group.begin))) break;
     end_of[static_cast<std::size_t>(group.begin)] = group.end;
     for (std::int32_t i = group.begin + 1; i < group.end; ++i) {
       sets.Join(first(i), first(group.begin));
     }
   }
   for (const CellGrid::Cell& group : groups) {
-    if (poll.After(kStepsPerCell)) break;
+    if (poll.AfterPoints(kCellsAround)) break;
     grid.ForEachRange(group.at, kReach, [&](std::int32_t begin, std::int32_t end) {
       // Those before were compared with this one already.
       for (begin = std::max(begin, group.end); begin < end;) {
@@ -126,7 +123,7 @@ class SupportSearch {
         nearest = other;
       });
       work_ += looked_at;
-      if (work_ > kMaxJoinWork || poll_.After(looked_at)) return -1;
+      if (work_ > kMaxJoinWork || poll_.AfterDistances(looked_at)) return -1;
     }
     return nearest;
   }
@@ -152,14 +149,14 @@ std::vector<Indices> FindClusters(const Points& points, double tolerance_m, std:
   std::vector<std::size_t> count;  // of the points of a set
   if (!GrowTo(points.size(), &poll, &count)) return {};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (poll.After(kStepsPerPoint)) return {};
+    if (poll.AfterPoints()) return {};
     ++count[sets.Find(i)];
   }
   std::vector<Indices> clusters;
   constexpr auto kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> number(points.size(), kNone);  // of the cluster of a set
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (poll.After(kStepsPerPoint)) return {};
+    if (poll.AfterPoints()) return {};
     const std::size_t set = sets.Find(i);
     if (count[set] < min_count) continue;
     if (number[set] == kNone) {

@@ -157,7 +157,7 @@ class SumsOfNearest {
       const auto rows =
           static_cast<std::size_t>(2 * reach + 1) * static_cast<std::size_t>(2 * reach + 1);
       const std::size_t work = count * (in_cell.size() + 1) + kWorkPerRow * rows;
-      if (work_ += work; work_ > kMaxWork || scratch->poll.After(work)) return false;
+      if (work_ += work; work_ > kMaxWork || scratch->poll.AfterDistances(work)) return false;
       if (count < count_) continue;
       grid.Gather(cell.at, reach, &scratch->block);
       scratch->squared.resize(scratch->block.x.size());

@@ -10,9 +10,6 @@
 namespace graspdb::recognition {
 namespace {
 
-// Time to crop a point, ns.
-constexpr std::size_t kStepsPerCrop = 40;
-
 // The region's corners; unbounded without a region.
 struct Bounds {
   explicit Bounds(const std::optional<Box>& region) {
@@ -67,7 +64,7 @@ RegionPoints CropToRegion(const Points& scan, const Pose& a_sensor,
   out.points.reserve(scan.size());
   out.indices.reserve(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (poll.After(kStepsPerCrop)) break;
+    if (poll.AfterPoints()) break;
     if (scan[i].squaredNorm() > farthest) {  // false for NaN
       out.beyond_range_count += scan[i].allFinite();
       continue;

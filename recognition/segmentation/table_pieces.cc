@@ -64,9 +64,6 @@ constexpr double kMaxTopM = 0.0045;
 // Slope of the table from beyond to the border: the distortion of a camera changes slowly, the side
 // of a dome is steeper. Doubled, domes of 10 mm are removed, of any diameter from 150 mm on.
 constexpr double kMaxSlope = 0.09;
-// Time of a point of the scan, and of a voxel of a piece, ns.
-constexpr std::size_t kPointNs = 10;
-constexpr std::size_t kVoxelNs = 300;
 
 struct Cell {
   std::int32_t x;
@@ -192,7 +189,7 @@ std::vector<Candidate> FindCandidates(const Segmentation& segmentation, const Ta
   CancellationPoll poll(is_cancelled);
   for (std::size_t i = 0; i < segmentation.segments.size(); ++i) {
     const Segment& segment = segmentation.segments[i];
-    if (poll.After(kVoxelNs * segment.cloud.points.size())) return out;
+    if (poll.AfterPoints(segment.cloud.points.size())) return out;
     if (segment.too_large) continue;  // rejected without a search
     const auto [lowest_m, highest_m] = TenthsOf(segment, grid);
     if (highest_m > segmentation.table_reach_m + kMaxTopM || !IsFlat(segment, grid)) continue;
@@ -222,7 +219,7 @@ RingHeights MeasureRings(const Scan& scan, const Segmentation& segmentation,
   CancellationPoll poll(is_cancelled);
   const Eigen::Isometry3f world_sensor = segmentation.world_sensor.cast<float>();
   const auto reach_m = static_cast<float>(segmentation.table_reach_m);
-  for (std::size_t i = 0; i < scan.size() && !poll.After(kPointNs); ++i) {
+  for (std::size_t i = 0; i < scan.size() && !poll.AfterPoints(); ++i) {
     const Vector3f measured = scan.PointAt(i);
     if (!IsMeasurement(measured)) continue;
     const Vector3f p = world_sensor * measured;

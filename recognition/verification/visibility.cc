@@ -15,7 +15,7 @@ constexpr float kCellsPerSpacing = 2.5F;
 // A surface hides points that lie farther behind it than this, m, or than a cell's size.
 constexpr float kHidesBehindM = 0.008F;
 constexpr int kMaxCellsPerSide = 512;
-constexpr float kFar = 1e9F;
+constexpr float kUnseenM = 1e9F;  // depth where nothing is
 
 }  // namespace
 
@@ -37,7 +37,7 @@ void VisibleSurface::Hide(float spacing_m) {
   std::vector<float> v;
   u.reserve(visible_.size());
   v.reserve(visible_.size());
-  float depth = kFar;
+  float depth = kUnseenM;
   for (const std::size_t i : visible_) {
     u.push_back(x_[i] / z_[i]);
     v.push_back(y_[i] / z_[i]);
@@ -49,7 +49,7 @@ void VisibleSurface::Hide(float spacing_m) {
                               std::max(right - left, bottom - top) / (kMaxCellsPerSide - 1));
   const auto row = static_cast<std::size_t>((right - left) / cell) + 1;
   const auto rows = static_cast<std::size_t>((bottom - top) / cell) + 1;
-  std::vector<float> nearest(row * rows, kFar);
+  std::vector<float> nearest(row * rows, kUnseenM);
   std::vector<std::uint32_t> cell_of(visible_.size());
   for (std::size_t k = 0; k < visible_.size(); ++k) {
     const auto column = static_cast<std::uint32_t>((u[k] - left) / cell);
