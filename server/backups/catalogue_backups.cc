@@ -62,7 +62,7 @@ absl::StatusOr<storage::Backup> CatalogueBackups::Create(const storage::BackupPr
   const absl::Time begin = absl::Now();
   const storage::BackupProgress until_stop = UntilStop(progress);
   absl::StatusOr<storage::Backup> made = backups_.Create(catalogue_, until_stop, request_id);
-  if (made.ok()) {
+  if (made.ok() && !made->is_repeated) {
     if (auto intact = CheckSharedFiles(made->id, until_stop); !intact.ok()) made = intact;
   }
   NoteFailure(made.status(), "create");

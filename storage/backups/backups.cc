@@ -133,7 +133,10 @@ absl::StatusOr<Backup> Backups::Create(Catalogue& catalogue, const BackupProgres
   const OperationMark mark(running_);
   RETURN_IF_ERROR(mark.Check(directory_));
   ASSIGN_OR_RETURN(auto made_before, FindMade(request_id));
-  if (made_before.has_value()) return *std::move(made_before);
+  if (made_before.has_value()) {
+    made_before->is_repeated = true;
+    return *std::move(made_before);
+  }
   Database& database = *catalogue.database_;
   ASSIGN_OR_RETURN(const auto engine,
                    OpenToWrite(directory_, bytes_per_second_, database.rocks().GetEnv()));

@@ -54,6 +54,8 @@ struct Backup {
   BackupRecord record;
   // All its files, including those that it shares with other backups.
   std::int64_t byte_count = 0;
+  // Of Create(): an earlier call with the request id made it.
+  bool is_repeated = false;
 };
 
 // Observes a long function. The callbacks may be empty, are called on several threads, one at a

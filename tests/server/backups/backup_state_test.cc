@@ -140,6 +140,20 @@ TEST_F(BackupServiceTest, ANewBackupWithADamagedFileOfAnEarlierOneDoesNotCount) 
   EXPECT_THAT(state.last_error(), HasSubstr("shared_checksum"));
 }
 
+// The backup that a repeated call gets was made by the first one.
+TEST_F(BackupServiceTest, ARepeatedCallDeletesNoBackup) {
+  Teach("wedge", 2);
+  v1::CreateBackupRequest request;
+  request.set_request_id("123e4567-e89b-42d3-a456-426614174000");
+  v1::CreateBackupResponse response;
+  ASSERT_THAT(Stream(&BackupStub::CreateBackup, request, &response), IsGrpcOk());
+  DamageFilesOf("shared_checksum");
+  ASSERT_EQ(Verify("backups/1").error_code(), grpc::StatusCode::DATA_LOSS);
+  ASSERT_THAT(Stream(&BackupStub::CreateBackup, request, &response), IsGrpcOk());
+  EXPECT_EQ(response.backup().name(), "backups/1");
+  EXPECT_THAT(Listed(), ElementsAre("backups/1"));
+}
+
 TEST_F(BackupServiceTest, WithoutAFolderTheErrorNamesTheSetting) {
   options_.backup_dir = "";
   Restart();
