@@ -206,7 +206,7 @@ grpc::Status CatalogService::GetView(grpc::ServerContext* context,
     *response->mutable_cloud() = files::CloudMessage(points, 0);
     if (!is_described) return absl::OkStatus();
     const auto is_cancelled = [&] { return IsAbandoned(*context); };
-    ASSIGN_OR_RETURN(const Admission::Ticket ticket, context_.teaching.Enter(is_cancelled));
+    ASSIGN_OR_RETURN(const Admission::Ticket ticket, describing_.Enter(is_cancelled));
     return AddDescriptors(*record, packed, context_.parameters.descriptor, response);
   });
 }

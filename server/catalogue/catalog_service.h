@@ -84,6 +84,7 @@ class CatalogService final : public v1::CatalogService::Service {
                          v1::UploadViewsResponse* response);
 
   CatalogContext context_;
+  Admission describing_{1, 16};  // views for VIEW_DETAIL_DESCRIBED: some milliseconds each
   std::chrono::steady_clock::time_point start_;
 };
 

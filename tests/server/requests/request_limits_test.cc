@@ -32,12 +32,20 @@ void ForEachOverlong(Message& at, const std::string& path,
     const FieldDescriptor& field = *at.GetDescriptor()->field(i);
     const std::string here = path + field.name();
     const bool is_message = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
+    const bool is_number = field.cpp_type() == FieldDescriptor::CPPTYPE_FLOAT;
     if (field.is_repeated()) {
       for (int n = 0; n < kFarTooMany; ++n) {
-        is_message ? (void)access.AddMessage(&at, &field) : access.AddString(&at, &field, "a");
+        if (is_message) {
+          access.AddMessage(&at, &field);
+        } else if (is_number) {
+          access.AddFloat(&at, &field, 1);
+        } else {
+          access.AddString(&at, &field, "a");
+        }
       }
       visit(here);
       access.ClearField(&at, &field);
+      if (is_number) continue;
       if (is_message) {
         ForEachOverlong(*access.AddMessage(&at, &field), here + "[0].", visit);
       } else {

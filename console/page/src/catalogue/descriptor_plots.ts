@@ -74,11 +74,16 @@ export class DescriptorPlots {
   private used = "";
 
   async load(view: string): Promise<void> {
-    const [described, { descriptorName }] = await Promise.all([describedView(view), catalog.getCatalogStatus({})]);
-    this.descriptors = described.descriptors;
-    this.used = descriptorName;
+    try {
+      const [described, { descriptorName }] = await Promise.all([describedView(view), catalog.getCatalogStatus({})]);
+      this.descriptors = described.descriptors;
+      this.used = descriptorName;
+    } catch (error) {
+      replace(this.element, h("p", { className: "hint" }, "They could not be computed."));
+      throw error;
+    }
     if (this.descriptors.length > 0) this.draw();
-    else replace(this.element, h("p", { className: "hint" }, "No descriptor can describe these points."));
+    else replace(this.element, h("p", { className: "hint" }, "There are no descriptors: the points are too few, or the server is older."));
   }
 
   draw(): void {
