@@ -80,11 +80,13 @@ def files_of_cases(report):
     files = {"cases.md": markdown(case_rows(report["cases"]))}
     if report.get("descriptors"):
         files["descriptors.md"] = markdown(descriptor_rows(report["descriptors"]))
-    for case in report["cases"]:
+    cases = [case for case in report["cases"] if "parts" in case]  # older reports have no poses
+    for case in cases:
         files[bop_name(case["name"])] = bop_csv((a["scene"], a["part_answered"], a["score"], a["camera_object"], a["ms"])
                                                 for a in case["answers"] if "part_answered" in a)
-    files["bop_objects.csv"] = bop_objects((case["name"], part["object"], part["stable_pose"])
-                                           for case in report["cases"] for part in case.get("parts", []))
+    if cases:
+        files["bop_objects.csv"] = bop_objects((case["name"], part["object"], part["stable_pose"])
+                                               for case in cases for part in case["parts"])
     return files
 
 
@@ -102,6 +104,10 @@ def write(folder, name, text):
     with open(path + ".tmp", "w", encoding="utf-8", newline="") as file:
         file.write(text)
     os.replace(path + ".tmp", path)
+
+
+def is_report(document):
+    return isinstance(document, dict) and ("cases" in document or {"objects", "stages", "frames"} <= document.keys())
 
 
 def write_tables(folder, report):

@@ -86,6 +86,7 @@ absl::Status ReportWriter::Write() const {
 absl::Status WriteFramesReport(const std::filesystem::path& folder, const std::string& command,
                                const std::vector<std::string>& object_ids,
                                const std::vector<FrameResult>& results) {
+  RETURN_IF_ERROR(RemoveEarlier(folder));
   ASSIGN_OR_RETURN(const auto json, FramesJson(command, object_ids, results));
   return WriteReport(folder, json);
 }
@@ -104,7 +105,7 @@ absl::Status MakeReportPage(const std::filesystem::path& folder) {
   }
   return absl::UnavailableError(
       absl::StrCat(kProgram,
-                   " made no report.html; install python3-matplotlib if it is missing, "
+                   " did not end well; install python3 and python3-matplotlib if they are missing, "
                    "then run: ",
                    kProgram, " ", folder.string()));
 }

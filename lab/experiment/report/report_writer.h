@@ -19,8 +19,8 @@ namespace graspdb::lab {
 // leaves what was done; the program graspdb-eval-report makes everything else from it: tables,
 // poses as the BOP challenge takes them, report.html and figures/.
 //
-// An earlier report in the folder is removed, with all of its files. The same cases give the same
-// bytes, measured times apart.
+// An earlier report in the folder is removed, with what was made of it, except for figures/. The
+// same cases give the same bytes, measured times apart.
 class ReportWriter {
  public:
   // Makes the folder and writes a report without cases, so that a folder that cannot be written is

@@ -34,8 +34,8 @@ bool HasFrames(const std::filesystem::path& folder);
 // Reads `folder`/frames.json: an array of objects with "frame" (a point file), "sensor",
 // "arrangement" and "objects", each of which has "object", "mesh", "meshUnit" ("m" or "mm") and
 // "T_sensor_mesh" (4 x 4, rows, metres); paths are relative to the folder. NOT_FOUND without that
-// file; INVALID_ARGUMENT with the frame for other content, an object more than 100 m away, and an
-// object with two meshes.
+// file, FAILED_PRECONDITION if it cannot be read; INVALID_ARGUMENT with the frame for other
+// content, an object more than 100 m away, and an object with two meshes.
 absl::StatusOr<std::vector<RealFrame>> LoadFrames(const std::filesystem::path& folder);
 
 // The same from the file's text. INVALID_ARGUMENT.
