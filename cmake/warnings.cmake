@@ -15,7 +15,7 @@ if(GRASPDB_SANITIZE)
   add_link_options(-fsanitize=${GRASPDB_SANITIZE})
   if(GRASPDB_SANITIZE MATCHES undefined)
     # Checking each reference in Eigen takes half of the compile time (22 s become 7 for
-    # recognition/models/fusion.cc) and finds little that the address sanitizer does not.
+    # recognition/models/surface_model.cc) and finds little that the address sanitizer does not.
     add_compile_options(-fno-sanitize=null,alignment,vptr,object-size)
   endif()
   # Under a sanitizer Eigen would choose another allocator than Debian's libpcl was built with,

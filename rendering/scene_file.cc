@@ -78,7 +78,9 @@ absl::Status WriteScenes(const std::filesystem::path& folder, const std::vector<
 absl::StatusOr<PlannedCapture> ReadScene(const std::filesystem::path& folder,
                                          const std::vector<Workpiece>& parts) {
   const absl::StatusOr<v1::CaptureSet> set = files::LoadCaptureSet(folder);
-  if (absl::IsNotFound(set.status())) return absl::UnavailableError(set.status().message());
+  if (absl::IsNotFound(set.status()) || absl::IsFailedPrecondition(set.status())) {
+    return absl::UnavailableError(set.status().message());
+  }
   if (!set.ok()) return set.status();
   RETURN_IF_ERROR(CheckOneScene(folder, *set));
   PlannedCapture out;

@@ -21,8 +21,9 @@ inline constexpr char kCaptureSetFile[] = "captures.json";
 // Reads and checks `folder`/captures.json; unknown fields are ignored. The clouds
 // are not read.
 //
-// NOT_FOUND when the file is missing or may not be read; INVALID_ARGUMENT when it is not JSON (with
-// line and column), or CheckCaptureSet or CheckDistances rejects it.
+// NOT_FOUND when the file is missing, FAILED_PRECONDITION when it may not be read; INVALID_ARGUMENT
+// when it is larger than 256 MiB, not JSON (with line and column), or CheckCaptureSet or
+// CheckDistances rejects it.
 absl::StatusOr<v1::CaptureSet> LoadCaptureSet(const std::filesystem::path& folder);
 
 // Checks `set` and writes it, indented and atomically, to `folder`/captures.json;

@@ -28,10 +28,10 @@ struct DepthPngCamera {
   Lens lens = {};
 };
 
-// Reads a sidecar. NOT_FOUND when there is none; INVALID_ARGUMENT with the path and the key when it
-// is not JSON, a key is missing or not a number, a size, focal length or unit is not positive, the
-// principal point is outside of the image, or a key may change the meaning of the image and is not
-// known.
+// Reads a sidecar. NOT_FOUND when there is none, FAILED_PRECONDITION when it cannot be read;
+// INVALID_ARGUMENT with the path and the key when it is larger than 64 KiB, not JSON, a key is
+// missing or not a number, a size, focal length or unit is not positive, the principal point is
+// outside of the image, or a key may change the meaning of the image and is not known.
 absl::StatusOr<DepthPngCamera> ReadIntrinsics(const std::filesystem::path& path);
 
 // Writes a sidecar atomically, without invalid counts and lens. Errors as WriteFileAtomically.
@@ -39,7 +39,8 @@ absl::Status WriteIntrinsics(const std::filesystem::path& path, const DepthPngCa
 
 // Reads a PNG file with one channel of 16 bits; 0 without measurement, also where the file has
 // 65535 or an invalid count of the camera. The lens is not undone. Safe on any bytes. Thread-safe.
-// NOT_FOUND when there is no such file; INVALID_ARGUMENT with the path when it is not a PNG,
+// NOT_FOUND when there is no such file, FAILED_PRECONDITION when it cannot be read;
+// INVALID_ARGUMENT with the path when it is larger than 256 MiB, not a PNG,
 // damaged, of another kind (e.g. an 8-bit picture of the depth), not of the size of `camera`, or
 // when the bytes of its counts are swapped.
 absl::StatusOr<v1::DepthImage> ReadDepthPng(const std::filesystem::path& path,

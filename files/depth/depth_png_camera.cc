@@ -125,10 +125,8 @@ absl::Status CheckCamera(const recognition::CameraIntrinsics& k) {
 
 absl::StatusOr<DepthPngCamera> CameraFrom(const std::string& text) {
   google::protobuf::Struct document;
-  if (text.size() > kMaxSidecarBytes ||
-      !google::protobuf::util::JsonStringToMessage(text, &document).ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("it is not a JSON object of at most ", kMaxSidecarBytes, " bytes"));
+  if (!google::protobuf::util::JsonStringToMessage(text, &document).ok()) {
+    return absl::InvalidArgumentError("it is not a JSON object");
   }
   RETURN_IF_ERROR(CheckJsonKeys(text));
   ASSIGN_OR_RETURN(const auto entries, CameraEntriesOf(document));

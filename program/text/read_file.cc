@@ -19,9 +19,19 @@ std::string SizeText(std::size_t bytes) {
   return absl::StrCat(bytes >> 10, " KiB");
 }
 
+absl::Status TooLarge(const std::filesystem::path& path, std::size_t max_bytes) {
+  return absl::InvalidArgumentError(absl::StrCat(path.string(), " is larger than ",
+                                                 SizeText(max_bytes), "; is it the right file?"));
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path, std::size_t max_bytes) {
+  std::error_code none;  // a pipe has no size
+  if (std::filesystem::is_regular_file(path, none) &&
+      std::filesystem::file_size(path, none) > max_bytes && !none) {
+    return TooLarge(path, max_bytes);
+  }
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   std::string out;
@@ -31,7 +41,7 @@ absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path, std::siz
     in.read(out.data() + begin, static_cast<std::streamsize>(out.size() - begin));
     out.resize(begin + static_cast<std::size_t>(in.gcount()));
   }
-  if (!in.is_open() && errno == ENOENT) {
+  if (!in.is_open() && (errno == ENOENT || errno == ENOTDIR)) {
     return absl::NotFoundError(absl::StrCat(path.string(), " does not exist; check the path"));
   }
   if (!in.is_open() || in.bad()) {
@@ -39,10 +49,7 @@ absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path, std::siz
                                                       std::generic_category().message(errno),
                                                       "); name a file that you may read"));
   }
-  if (out.size() > max_bytes) {
-    return absl::InvalidArgumentError(absl::StrCat(path.string(), " is larger than ",
-                                                   SizeText(max_bytes), "; is it the right file?"));
-  }
+  if (out.size() > max_bytes) return TooLarge(path, max_bytes);
   return out;
 }
 

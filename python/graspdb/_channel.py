@@ -237,7 +237,7 @@ class _Reconnection:
     """Connects again after a call has failed without a connection, until that succeeds.
 
     gRPC reads from a socket only while a call waits, and after an attempt to connect has failed, calls do not wait but
-    fail: with TLS, calls once a second then never succeed again (client/sdk/reconnection.h). So one call waits.
+    fail: with TLS, calls once a second then never succeed again (client/sdk/connection.h). So one call waits.
     """
 
     def __init__(self, channel: grpc.Channel) -> None:

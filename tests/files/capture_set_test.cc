@@ -79,7 +79,7 @@ TEST(CaptureSet, MissingFileAndBadJsonErrorsNameThePlace) {
   EXPECT_EQ(LoadCaptureSet(folder.path()).status().code(), absl::StatusCode::kInvalidArgument);
   std::filesystem::remove(folder.path() / "captures.json");
   std::filesystem::create_directories(folder.path() / "captures.json");
-  EXPECT_EQ(LoadCaptureSet(folder.path()).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(LoadCaptureSet(folder.path()).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
 // The words of other dialects of JSON.
@@ -127,7 +127,7 @@ TEST(CaptureSet, AFolderOrFileThatMayNotBeReadIsNotReportedAsMissing) {
   const std::filesystem::path file = folder.Write("captures.json", "{}");
   const auto expect_denied = [&] {
     EXPECT_THAT(std::string(LoadCaptureSet(folder.path()).status().message()),
-                HasSubstr("captures.json: Permission denied; check the path and its permissions"));
+                HasSubstr("captures.json cannot be read (Permission denied)"));
   };
   {
     const UnreadableFolder unreadable(folder.path(), perms::none);

@@ -76,7 +76,7 @@ TEST(PcdMalformed, HeaderLines) {
   ExpectRefused(Header({{"COUNT", "1 1 2"}}) + kRows, "field z is not one float or double");
   ExpectRefused(Header({{"HEIGHT", ""}}) + kRows, "no HEIGHT line");
   ExpectRefused(Header({{"WIDTH", "three"}}) + kRows, "WIDTH line does not give one whole number");
-  ExpectRefused(Header({{"POINTS", "4"}}) + kRows, "promises 4 points, but 3 x 1 of them");
+  ExpectRefused(Header({{"POINTS", "4"}}) + kRows, "POINTS 4, but WIDTH 3 and HEIGHT 1");
   ExpectRefused(Header({{"POINTS", "0"}, {"WIDTH", "0"}}), "promises no points");
 }
 
@@ -84,7 +84,7 @@ TEST(PcdMalformed, AbsurdCounts) {
   ExpectRefused(Header({{"WIDTH", "20000000"}, {"POINTS", "20000000"}, {"DATA", "binary"}}),
                 "promises 20000000 points");
   ExpectRefused(Header({{"WIDTH", "9000000"}, {"HEIGHT", "9000000"}, {"POINTS", "9000000"}}),
-                "promises 9000000 points, but 9000000 x 9000000");
+                "POINTS 9000000, but WIDTH 9000000 and HEIGHT 9000000");
   ExpectRefused(Header({{"WIDTH", "99999999999999999999"}}), "WIDTH line");
   ExpectRefused(Header({{"WIDTH", "-3"}, {"POINTS", "-3"}}), "WIDTH line");
   ExpectRefused(Header({{"FIELDS", "x y z histogram"},

@@ -64,7 +64,10 @@ absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle) {
 }
 
 absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path) {
-  ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path, kMaxBundleBytes));
+  const absl::StatusOr<std::string> read = ReadFile(path, kMaxBundleBytes);
+  if (absl::IsInvalidArgument(read.status())) return NoBundle(path);
+  if (!read.ok()) return read.status();
+  const std::string& bytes = *read;
   if (bytes.size() < kBundleHeaderBytes || !bytes.starts_with(kBundleMagic)) return NoBundle(path);
   if (bytes[kBundleMagic.size()] != kVersion) {
     return absl::FailedPreconditionError(path.string() +

@@ -21,7 +21,7 @@ namespace graspdb::client {
 absl::StatusOr<std::string> BundleBytes(const v1::Bundle& bundle);
 
 // NOT_FOUND when the file does not exist, DATA_LOSS when it is not a bundle, truncated or over 2
-// GB, FAILED_PRECONDITION when its version is newer.
+// GB, FAILED_PRECONDITION when it cannot be read or its version is newer.
 absl::StatusOr<v1::Bundle> ReadBundle(const std::filesystem::path& path);
 
 // Expands files and folders: a folder to the bundles in it, the oldest first. NOT_FOUND for a

@@ -212,11 +212,12 @@ class ArchiveCommand {
   }
 
   static absl::Status Undecided(const ArchiveComparison& comparison, const char* consequence) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(comparison.CountOf(ArchiveState::kConflict),
-                     " records of the archive were changed on both sides; ", consequence,
-                     ". Choose --on-conflict keep, replace or later, or name the archive that both "
-                     "sides started from with --base"));
+    const std::int64_t count = comparison.CountOf(ArchiveState::kConflict);
+    return absl::FailedPreconditionError(absl::StrCat(
+        count, count == 1 ? " record of the archive was" : " records of the archive were",
+        " changed on both sides, so ", consequence,
+        "; choose --on-conflict keep, replace or later, or name the archive that both sides "
+        "started from with --base"));
   }
 
   absl::Status CheckConflicts(const ArchiveComparison& comparison) const {

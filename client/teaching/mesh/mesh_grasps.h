@@ -16,8 +16,9 @@ namespace graspdb::client {
 inline constexpr std::size_t kMaxGraspsFileBytes = 1 << 20;
 
 // The grasps of a JSON document {"grasps": [GRASP, ...]}, as a capture set declares them.
-// NOT_FOUND for no file; INVALID_ARGUMENT for one that is too large, is not such a document, has no
-// grasps, or has a grasp that is invalid in a capture set or whose id the server would reject.
+// NOT_FOUND for no file, FAILED_PRECONDITION for one that cannot be read; INVALID_ARGUMENT for one
+// that is too large, is not such a document, has no grasps, or has a grasp that is invalid in a
+// capture set or whose id the server would reject.
 absl::StatusOr<std::vector<v1::Grasp>> LoadGrasps(const std::filesystem::path& path);
 
 // INVALID_ARGUMENT for a grasp with a free turn: it is about the z axis of the object's frame,

@@ -133,7 +133,7 @@ OpenedSensor OpenPush(const SensorSpec& spec, const SensorSettings& settings) {
   return std::make_unique<FreshSensor>(std::move(sensor), settings.max_age);
 }
 
-// The camera of the options: a file as files/depth_png.h reads it, or fx, fy, cx and cy.
+// The camera of the options: a file as files/depth/depth_png.h reads it, or fx, fy, cx and cy.
 absl::Status ReadCamera(SensorOptions& options, V4l2Options& camera, SensorSettings& settings) {
   const std::string file = options.Text("intrinsics", "");
   settings = WithIntrinsics(options, 640, 480, settings);
