@@ -102,6 +102,9 @@ void AddRivals(const std::vector<PoseHypothesis>& hypotheses, double noise_m,
   }
 }
 
+// Whether only a minimum score that somebody chose rejects such a confidence.
+bool IsUsuallyEnough(double confidence) { return confidence >= MatchingParameters().min_score; }
+
 }  // namespace
 
 const TaughtStablePose* StablePoseOf(const CatalogueSnapshot& catalogue,
@@ -154,7 +157,9 @@ absl::StatusOr<bool> SegmentRecognition::TryNearest() {
   if (is_cancelled_()) return absl::CancelledError("cancelled after the descriptor");
   if (matching.verified_view_count == 1) return explained;
   if (!MayBeAccepted()) {
-    out_.rejected_by = Gate::kLittleSeen;
+    const double noise = NoiseAt(input_.segmentation, input_.segment);
+    out_.rejected_by = IsUsuallyEnough(MaxConfidence(out_.point_count, noise)) ? Gate::kMinScore
+                                                                               : Gate::kLittleSeen;
     return explained;
   }
   log_->Measure("register", out_.point_count, [&] {
@@ -259,8 +264,10 @@ void SegmentRecognition::Decide() {
       out_.model != nullptr ? out_.evidence.scan_explained : out_.registration.inlier_fraction;
   if (out_.score < MinScore(taught, matching)) {
     out_.outcome = RecognitionOutcome::kUnknownObject;
-    if (out_.view && matching.verified_view_count > 1)
-      out_.rejected_by = HeaviestFeature(out_.features);
+    if (out_.view && matching.verified_view_count > 1) {
+      out_.rejected_by =
+          IsUsuallyEnough(out_.score) ? Gate::kMinScore : HeaviestFeature(out_.features);
+    }
     out_.view = nullptr;
   } else if (explained < matching.min_inlier_fraction) {
     out_.outcome = RecognitionOutcome::kIcpRejected;

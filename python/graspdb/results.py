@@ -43,6 +43,7 @@ class RejectionGate(_Enum):
     RESIDUAL = 3
     EXTENT = 4
     LITTLE_SEEN = 5
+    MIN_SCORE = 6
 
 
 class WorldFrameSource(_Enum):

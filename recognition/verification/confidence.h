@@ -33,8 +33,8 @@ double Confidence(const ConfidenceFeatures& features);
 double MaxConfidence(std::size_t point_count, double noise_m);
 
 // The feature with the largest weight; kLittleSeen: `unseen` and `little` together; kExtent: the
-// segment is too large to be one object.
-enum class Gate { kScan, kModel, kResidual, kExtent, kLittleSeen };
+// segment is too large to be one object; kMinScore: by default the confidence would be enough.
+enum class Gate { kScan, kModel, kResidual, kExtent, kLittleSeen, kMinScore };
 Gate HeaviestFeature(const ConfidenceFeatures& features);
 
 }  // namespace graspdb::recognition

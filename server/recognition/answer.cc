@@ -62,6 +62,8 @@ v1::RejectionGate GateToProto(recognition::Gate gate) {
       return v1::REJECTION_GATE_EXTENT;
     case recognition::Gate::kLittleSeen:
       return v1::REJECTION_GATE_LITTLE_SEEN;
+    case recognition::Gate::kMinScore:
+      return v1::REJECTION_GATE_MIN_SCORE;
   }
   return v1::REJECTION_GATE_UNSPECIFIED;
 }

@@ -41,14 +41,22 @@ class RecognizerSettingsTest : public ::testing::Test {
 TEST_F(RecognizerSettingsTest, AStablePosesOwnThresholdApplies) {
   const Scan scan = TaughtShapes::See({TaughtShapes::Part("bracket", 0, 0, 7)});
   const CatalogueSnapshot strict = Taught([](TaughtStablePose& pose) { pose.min_score = 1; });
+  std::optional<Gate> gate;
+  double score = 0;
   const auto outcome = [&] {
     const auto found = Recognize(scan, strict, taught_, parameters_, [] { return false; });
     EXPECT_THAT(found, IsOk());
+    gate = found->detections.at(0).rejected_by;
+    score = found->detections.at(0).score;
     return found->outcome;
   };
   EXPECT_EQ(outcome(), RecognitionOutcome::kUnknownObject);
+  EXPECT_EQ(gate, Gate::kMinScore);
   parameters_.matching.use_own_min_scores = false;
   EXPECT_EQ(outcome(), RecognitionOutcome::kOk);
+  parameters_.matching.min_score = score + 1e-6;
+  EXPECT_EQ(outcome(), RecognitionOutcome::kUnknownObject);
+  EXPECT_EQ(gate, Gate::kMinScore);
 }
 
 TEST_F(RecognizerSettingsTest, TheTurnsOfADeclaredSymmetryAreEquivalentPoses) {
@@ -124,6 +132,15 @@ TEST_F(RecognizerSettingsTest, ASegmentTooSmallForAnyThresholdIsNotSearched) {
   EXPECT_EQ(found->detections.at(0).rejected_by, Gate::kLittleSeen);
   EXPECT_THAT(found->detections.at(0).candidates, ::testing::Not(::testing::IsEmpty()));
   EXPECT_EQ(clouds.count(), 0);
+
+  // Of a whole object, which would be accepted by default.
+  parameters_.matching.min_score = 0.9999;
+  const auto strictly = Recognize(TaughtShapes::See({TaughtShapes::Part("bracket", 0, 0, 7)}),
+                                  taught_.snapshot(), clouds, parameters_, [] { return false; });
+  ASSERT_THAT(strictly, IsOk());
+  EXPECT_EQ(strictly->detections.at(0).rejected_by, Gate::kMinScore);
+  EXPECT_EQ(clouds.count(), 0);
+  parameters_.matching.min_score = 0.5;
 
   const CatalogueSnapshot lenient =
       Taught([max_confidence](TaughtStablePose& pose) { pose.min_score = max_confidence / 2; });

@@ -39,12 +39,11 @@ class SegmentationFailureTest : public ::testing::Test {
         scan_, parameters_, {}, [] { return false; }, &log_);
   }
 
-  // Runs with a caller that cancels at the `polls`-th poll.
-  absl::StatusOr<Segmentation> RunUntilPolled(int polls) {
+  // Runs with a caller that cancels once the log has so many steps.
+  absl::StatusOr<Segmentation> RunSteps(std::size_t count) {
     log_ = StageLog();
-    int count = 0;
     return SegmentScan(
-        scan_, parameters_, {}, [&] { return ++count >= polls; }, &log_);
+        scan_, parameters_, {}, [&] { return log_.reports().size() >= count; }, &log_);
   }
 
   std::vector<std::string> Stages() const {
@@ -200,11 +199,11 @@ TEST_F(SegmentationFailureTest, WhatIsBeyondReachGivesNoWorldFrame) {
 }
 
 TEST_F(SegmentationFailureTest, CancellationIsPolledBetweenTheSteps) {
-  EXPECT_THAT(RunUntilPolled(1), StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_THAT(RunSteps(1), StatusIs(absl::StatusCode::kCancelled));
   EXPECT_THAT(Stages(), ElementsAre("region"));
-  EXPECT_THAT(RunUntilPolled(2), StatusIs(absl::StatusCode::kCancelled));
+  EXPECT_THAT(RunSteps(2), StatusIs(absl::StatusCode::kCancelled));
   EXPECT_THAT(Stages(), ElementsAre("region", "plane"));
-  EXPECT_THAT(RunUntilPolled(1000), IsOk());
+  EXPECT_THAT(RunSteps(1000), IsOk());
 }
 
 TEST_F(SegmentationFailureTest, StagesReportThePointsOfEachStep) {
