@@ -31,7 +31,7 @@ class ReadFileTest : public ::testing::Test {
 };
 
 TEST_F(ReadFileTest, GivesAllBytesUpToTheLimit) {
-  for (const std::size_t size : {0, 1, 65536, 65537, 1 << 20}) {
+  for (const std::size_t size : {0UL, 1UL, 65536UL, 65537UL, 1UL << 20}) {
     std::string bytes(size, 'a');
     if (size > 0) bytes.back() = '\0';
     const auto read = ReadFile(Write(bytes), 1 << 20);
