@@ -199,15 +199,17 @@ grpc::Status CatalogService::GetView(grpc::ServerContext* context,
     absl::StatusOr<storage::ViewRecord> record = context_.catalogue.GetView(request->name());
     if (!record.ok()) return AtField("name", record.status());
     *response = ViewToProto(*record);
-    const bool is_described = request->detail() == v1::VIEW_DETAIL_DESCRIBED;
-    if (request->detail() != v1::VIEW_DETAIL_FULL && !is_described) return absl::OkStatus();
-    ASSIGN_OR_RETURN(std::string packed, context_.catalogue.GetPackedCloud(request->name()));
-    ASSIGN_OR_RETURN(recognition::Points points, PointsFromPacked(packed));
-    *response->mutable_cloud() = files::CloudMessage(points, 0);
-    if (!is_described) return absl::OkStatus();
-    const auto is_cancelled = [&] { return IsAbandoned(*context); };
-    ASSIGN_OR_RETURN(const Admission::Ticket ticket, describing_.Enter(is_cancelled));
-    return AddDescriptors(*record, packed, context_.parameters.descriptor, response);
+    if (request->detail() == v1::VIEW_DETAIL_FULL) {
+      ASSIGN_OR_RETURN(std::string packed, context_.catalogue.GetPackedCloud(request->name()));
+      ASSIGN_OR_RETURN(recognition::Points points, PointsFromPacked(packed));
+      *response->mutable_cloud() = files::CloudMessage(points, 0);
+    } else if (request->detail() == v1::VIEW_DETAIL_DESCRIBED) {
+      const auto is_cancelled = [&] { return IsAbandoned(*context); };
+      ASSIGN_OR_RETURN(const Admission::Ticket ticket, describing_.Enter(is_cancelled));
+      ASSIGN_OR_RETURN(std::string packed, context_.catalogue.GetPackedCloud(request->name()));
+      return AddDescriptors(*record, packed, context_.parameters.descriptor, response);
+    }
+    return absl::OkStatus();
   });
 }
 

@@ -47,11 +47,15 @@ void ListViews(FuzzServer& server, int expected) {
   for (const v1::View& view : response.views()) {
     v1::GetViewRequest get;
     get.set_name(view.name());
-    get.set_detail(v1::VIEW_DETAIL_DESCRIBED);
-    grpc::ClientContext get_context;
-    v1::View got;
-    Require(server.catalog().GetView(&get_context, get, &got).ok(), "a view is read");
-    Require(!got.cloud().data().empty(), "with its cloud");
+    const auto read = [&](v1::ViewDetail detail) {
+      get.set_detail(detail);
+      grpc::ClientContext get_context;
+      v1::View got;
+      Require(server.catalog().GetView(&get_context, get, &got).ok(), "a view is read");
+      return got;
+    };
+    Require(!read(v1::VIEW_DETAIL_FULL).cloud().data().empty(), "with its cloud");
+    Require(read(v1::VIEW_DETAIL_DESCRIBED).descriptors_size() > 0, "with its descriptors");
   }
 }
 

@@ -230,9 +230,9 @@ TEST_F(StablePosesTest, OnlyAFullViewHasItsCloud) {
 TEST_F(StablePosesTest, ADescribedViewHasEachDescriptorOfItsCloud) {
   Teach("wedge", 1);
   const std::string name = FlatPoseOf("wedge") + "/views/turn-0";
-  v1::View full;
-  ASSERT_THAT(GetView(name, v1::VIEW_DETAIL_FULL, &full), IsGrpcOk());
-  EXPECT_THAT(full.descriptors(), ::testing::IsEmpty());
+  v1::View basic;
+  ASSERT_THAT(GetView(name, v1::VIEW_DETAIL_BASIC, &basic), IsGrpcOk());
+  EXPECT_THAT(basic.descriptors(), ::testing::IsEmpty());
   v1::View described;
   ASSERT_THAT(GetView(name, v1::VIEW_DETAIL_DESCRIBED, &described), IsGrpcOk());
   std::vector<std::string> names;
@@ -247,19 +247,16 @@ TEST_F(StablePosesTest, ADescribedViewHasEachDescriptorOfItsCloud) {
   }
   EXPECT_EQ(names, recognition::DescriptorNames());
   described.clear_descriptors();
-  EXPECT_EQ(described.SerializeAsString(), full.SerializeAsString());
+  EXPECT_EQ(described.SerializeAsString(), basic.SerializeAsString());
 }
 
-// A view that is read with its descriptors can be sent back.
 TEST_F(StablePosesTest, DescriptorsOfAnUploadAreIgnored) {
   Teach("wedge", 1);
   v1::View described;
   ASSERT_THAT(GetView(FlatPoseOf("wedge") + "/views/turn-0", v1::VIEW_DETAIL_DESCRIBED, &described),
               IsGrpcOk());
-  v1::UploadViewsRequest upload;
-  upload.set_parent(FlatPoseOf("wedge"));
-  upload.set_view_id("again");
-  *upload.mutable_view() = described;
+  v1::UploadViewsRequest upload = ViewOf("wedge", 0, "again");
+  *upload.mutable_view()->mutable_descriptors() = described.descriptors();
   for (v1::ViewDescriptor& each : *upload.mutable_view()->mutable_descriptors())
     each.set_bins(0, 7);
   ASSERT_THAT(Upload(upload), IsGrpcOk());
